@@ -1,0 +1,16 @@
+//! The local perceptual model (LPM) of a place neighbourhood (seed, section 4.1).
+//!
+//! It is a bounded occupancy grid in a frame of its own, with the robot's pose in that frame at the moment of
+//! arrival. The robot is expected to have settled, within the neighbourhood, what is free and what is not.
+
+use crate::geometry::Pose;
+use crate::grid::OccupancyGrid;
+
+/// A bounded grid around a place and the pose at which the robot arrived in it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lpm {
+    /// The grid; its frame is the frame of the LPM.
+    pub grid: OccupancyGrid,
+    /// Pose of the robot on arrival, in the frame of the LPM.
+    pub robot_pose: Pose,
+}

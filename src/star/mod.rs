@@ -1,0 +1,13 @@
+//! Star descriptions: the local topology of a place (seed, section 4.3). Metres stop here.
+//!
+//! A star lists the directed path fragments of a place **clockwise**. The small-scale star names gateways and
+//! path fragments of one LPM and may carry bearings and widths; the large-scale star keeps only what the logic
+//! compares: order, pairing, control laws and which slots can be travelled.
+
+mod large_scale;
+mod small_scale;
+
+pub use large_scale::{LargeScaleStar, LargeSlot};
+pub use small_scale::{
+    ControlLaw, Direction, FragmentId, GatewayId, Slot, SlotIndex, SmallScaleStar, StarError,
+};

@@ -1,0 +1,2 @@
+//! Helper tasks.
+fn main() {}
