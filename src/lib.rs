@@ -11,3 +11,4 @@ pub mod grid;
 pub mod lpm;
 pub mod gateway;
 pub mod star;
+pub mod trace;

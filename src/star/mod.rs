@@ -9,5 +9,5 @@ mod small_scale;
 
 pub use large_scale::{LargeScaleStar, LargeSlot};
 pub use small_scale::{
-    ControlLaw, Direction, FragmentId, GatewayId, Slot, SlotIndex, SmallScaleStar, StarError,
+    ControlLaw, Direction, FragmentId, GatewayId, MAX_SLOTS, Slot, SlotIndex, SmallScaleStar, StarError,
 };

@@ -1,0 +1,93 @@
+//! The events of a trace as plain values.
+
+use crate::geometry::Pose;
+use crate::lpm::Lpm;
+use crate::star::{SlotIndex, SmallScaleStar};
+
+/// One line of a trace.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event {
+    /// Position in the trace, counted from 0 without gaps; the idempotency key.
+    pub seq: u64,
+    /// When it happened, if the robot said so. Order is `seq`, never the stamp.
+    pub stamp: Option<Stamp>,
+    /// What happened.
+    pub kind: EventKind,
+}
+
+/// A time as ROS spells it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stamp {
+    /// Whole seconds.
+    pub sec: i64,
+    /// Nanoseconds within the second, below 1,000,000,000.
+    pub nanosec: u32,
+}
+
+/// What happened.
+#[derive(Clone, Debug, PartialEq)]
+pub enum EventKind {
+    /// The robot is at a place and has seen its neighbourhood.
+    Observation(Box<Observation>),
+    /// The robot turned within the place.
+    Turn(Turn),
+    /// The robot left through a gateway and followed a path to the next place.
+    Travel(Box<Travel>),
+}
+
+/// What was seen at a place.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Percept {
+    /// A star description and the slot the robot is at: on arrival the directed fragment it came in on, at the
+    /// first observation the slot it faces.
+    Star {
+        /// The star.
+        star: SmallScaleStar,
+        /// The slot, in range.
+        dstate: SlotIndex,
+        /// The robot's pose in the frame of the observation, if given.
+        robot_pose: Option<Pose>,
+    },
+    /// A local perceptual model, from which star and slot follow.
+    Lpm(Lpm),
+}
+
+/// An observation at a place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Observation {
+    /// Star or grid.
+    pub percept: Percept,
+}
+
+/// Where a turn ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TurnTarget {
+    /// Facing a slot of the latest star.
+    Slot(SlotIndex),
+    /// Facing a direction of the latest LPM's frame, radians.
+    Heading(f64),
+    /// Turned by an angle, radians, counter-clockwise positive.
+    Angle(f64),
+}
+
+/// A turn within a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turn {
+    /// Where it ended.
+    pub target: TurnTarget,
+    /// The measured angle beside a slot target, radians.
+    pub angle: Option<f64>,
+}
+
+/// A travel along a path; all metric parts are optional and ignored by the symbolic axioms.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Travel {
+    /// Displacement of the robot over the travel, in its frame at the start.
+    pub odometry: Option<Pose>,
+    /// Covariance of the displacement, row-major x, y, theta; symmetric and positive semi-definite.
+    pub covariance: Option<[f64; 9]>,
+    /// Pose in the frame of the last observation when the travel started.
+    pub from_pose: Option<Pose>,
+    /// The way it went, points in the frame of `odometry`, metres.
+    pub shape: Vec<[f64; 2]>,
+}

@@ -1,0 +1,317 @@
+//! The grammar of a trace, and the step from grids and headings to stars and slots.
+//!
+//! An [`Experience`] is a state machine without I/O: it takes the events of a trace one by one, refuses what may
+//! not come next without changing, and gives for every observation what the logic needs: the star, the slot the
+//! robot came in on, and the slot it had left the previous place by.
+
+use crate::geometry::{Pose, wrap_angle};
+use crate::lpm::Lpm;
+use crate::star::{SlotIndex, SmallScaleStar};
+use crate::trace::event::{Event, EventKind, Observation, Percept, Turn, TurnTarget};
+use crate::trace::ndjson::EventError;
+use std::f64::consts::FRAC_PI_3;
+use thiserror::Error;
+
+/// How far a heading may be from the outward direction of the gateway it means, radians.
+pub const HEADING_TOLERANCE: f64 = FRAC_PI_3;
+
+/// What an observation tells the logic.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sighting {
+    /// The star seen.
+    pub star: SmallScaleStar,
+    /// The slot the robot is at: on arrival the directed fragment it came in on.
+    pub arrival: SlotIndex,
+    /// The slot of the previous star by which it left; `None` at the first observation.
+    pub departure: Option<SlotIndex>,
+}
+
+/// A star and the slot the robot is at in it, read off an LPM.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Described {
+    /// The star.
+    pub star: SmallScaleStar,
+    /// The directed fragment the robot came in on; at the first observation the slot it faces.
+    pub arrival: SlotIndex,
+}
+
+/// Why an event may not come here.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum ExperienceError {
+    /// `seq` is not the next number.
+    #[error("is {found}, expected {expected}: events count up from 0 without gaps")]
+    Sequence {
+        /// The number expected.
+        expected: u64,
+        /// The number given.
+        found: u64,
+    },
+    /// Something else must come first.
+    #[error("a {found} may not come here, expected {expected}")]
+    Order {
+        /// The kind given.
+        found: &'static str,
+        /// What may come.
+        expected: &'static str,
+    },
+    /// The arrival slot has no inward gateway.
+    #[error(
+        "is {0}, a slot without an inward gateway; expected the directed fragment that the robot came in on"
+    )]
+    ArrivalNotInward(u8),
+    /// The slot the robot faces has no outward gateway.
+    #[error(
+        "leaves by slot {0}, which has no outward gateway; expected a turn to a slot that has one before the travel"
+    )]
+    TravelNotOutward(u8),
+    /// The turn's slot is not one of the star's.
+    #[error("is {found}, expected a slot of the latest star, 0 to {last}")]
+    TurnOutOfRange {
+        /// The slot given.
+        found: u8,
+        /// The last slot of the star.
+        last: u8,
+    },
+    /// A turn in radians at a star that has no bearings.
+    #[error("turns in radians, but the latest star has no bearings; expected `to`, a slot of the star")]
+    NoBearings,
+    /// No gateway near the heading.
+    #[error(
+        "faces {0} rad in the frame of the latest observation, and no outward gateway lies within 1.05 rad of that"
+    )]
+    NoGatewayThere(String),
+    /// The grid gave no star.
+    #[error("gives no star: {0}")]
+    NotDescribed(String),
+}
+
+impl ExperienceError {
+    /// The same with the JSON pointer of the field at fault.
+    pub fn at(&self) -> EventError {
+        let pointer = match self {
+            ExperienceError::Sequence { .. } => "/seq",
+            ExperienceError::Order { .. } => "/kind",
+            ExperienceError::ArrivalNotInward(_) => "/dstate",
+            ExperienceError::TurnOutOfRange { .. } => "/to",
+            ExperienceError::NotDescribed(_) => "/lpm",
+            ExperienceError::TravelNotOutward(_)
+            | ExperienceError::NoBearings
+            | ExperienceError::NoGatewayThere(_) => "",
+        };
+        EventError::new(pointer, self.to_string())
+    }
+}
+
+/// Reads star and arrival slot off an LPM; the flag says that it is the first observation.
+pub type Describe<'a> = &'a dyn Fn(&Lpm, bool) -> Result<Described, ExperienceError>;
+
+/// Where a trace stands.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Experience {
+    next_seq: u64,
+    phase: Phase,
+}
+
+#[derive(Clone, Debug, Default, PartialEq)]
+enum Phase {
+    #[default]
+    Start,
+    Place(Here),
+    /// Left by a slot; `None` where grids are not looked into.
+    Travelling(Option<SlotIndex>),
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Here {
+    /// The star and the slot faced; `None` where grids are not looked into.
+    facing: Option<(SmallScaleStar, SlotIndex)>,
+    /// Direction in the frame of the observation, where it has one.
+    heading: Option<f64>,
+}
+
+impl Experience {
+    /// An experience before its first event.
+    pub fn new() -> Self {
+        Experience::default()
+    }
+
+    /// The `seq` that the next event must carry.
+    pub fn next_seq(&self) -> u64 {
+        self.next_seq
+    }
+
+    /// Takes an event; on an error nothing has changed. Gives what the logic needs for an observation, nothing
+    /// for a turn or a travel.
+    pub fn accept(&mut self, event: &Event, describe: Describe) -> Result<Option<Sighting>, ExperienceError> {
+        self.advance(event, Some(describe))
+    }
+
+    /// Takes an event without looking into grids: order, numbers and the slots of bare stars are checked.
+    pub fn check(&mut self, event: &Event) -> Result<(), ExperienceError> {
+        self.advance(event, None).map(|_| ())
+    }
+
+    fn advance(
+        &mut self,
+        event: &Event,
+        describe: Option<Describe>,
+    ) -> Result<Option<Sighting>, ExperienceError> {
+        if event.seq != self.next_seq {
+            return Err(ExperienceError::Sequence { expected: self.next_seq, found: event.seq });
+        }
+        let (phase, sighting) = match (&event.kind, &self.phase) {
+            (EventKind::Observation(seen), Phase::Start) => observe(seen, None, true, describe)?,
+            (EventKind::Observation(seen), Phase::Travelling(departure)) => {
+                observe(seen, *departure, false, describe)?
+            }
+            (EventKind::Turn(turn), Phase::Place(here)) => (Phase::Place(here.turned(turn)?), None),
+            (EventKind::Travel(_), Phase::Place(here)) => (Phase::Travelling(here.departure()?), None),
+            (found, phase) => return Err(out_of_order(found, phase)),
+        };
+        self.phase = phase;
+        self.next_seq += 1;
+        Ok(sighting)
+    }
+}
+
+impl Here {
+    fn turned(&self, turn: &Turn) -> Result<Here, ExperienceError> {
+        let Some((star, _)) = &self.facing else {
+            return Ok(self.clone());
+        };
+        let (slot, heading) = match turn.target {
+            TurnTarget::Slot(slot) => {
+                let Some(target) = star.slot(slot) else {
+                    let last = star.slots().len() as u8 - 1;
+                    return Err(ExperienceError::TurnOutOfRange { found: slot.0, last });
+                };
+                (slot, target.bearing)
+            }
+            TurnTarget::Heading(heading) => (slot_towards(star, heading)?, Some(heading)),
+            TurnTarget::Angle(angle) => {
+                let heading = self.heading.ok_or(ExperienceError::NoBearings)? + angle;
+                (slot_towards(star, heading)?, Some(wrap_angle(heading)))
+            }
+        };
+        Ok(Here { facing: Some((star.clone(), slot)), heading })
+    }
+
+    fn departure(&self) -> Result<Option<SlotIndex>, ExperienceError> {
+        let Some((star, slot)) = &self.facing else {
+            return Ok(None);
+        };
+        let outward = star.slot(*slot).is_some_and(|s| s.outward.is_some());
+        if outward { Ok(Some(*slot)) } else { Err(ExperienceError::TravelNotOutward(slot.0)) }
+    }
+}
+
+/// The outward slot whose bearing is nearest to a heading, within [`HEADING_TOLERANCE`].
+fn slot_towards(star: &SmallScaleStar, heading: f64) -> Result<SlotIndex, ExperienceError> {
+    let outward = star.indices().zip(star.slots()).filter(|(_, slot)| slot.outward.is_some());
+    let off = outward.filter_map(|(index, slot)| Some((index, wrap_angle(slot.bearing? - heading).abs())));
+    let nearest = off.min_by(|a, b| a.1.total_cmp(&b.1)).ok_or(ExperienceError::NoBearings)?;
+    if nearest.1 > HEADING_TOLERANCE {
+        return Err(ExperienceError::NoGatewayThere(format!("{:.2}", wrap_angle(heading))));
+    }
+    Ok(nearest.0)
+}
+
+fn observe(
+    seen: &Observation,
+    departure: Option<SlotIndex>,
+    first: bool,
+    describe: Option<Describe>,
+) -> Result<(Phase, Option<Sighting>), ExperienceError> {
+    let (star, arrival, robot_pose) = match (&seen.percept, describe) {
+        (Percept::Star { star, dstate, robot_pose }, _) => (star.clone(), *dstate, *robot_pose),
+        (Percept::Lpm(lpm), Some(describe)) => {
+            let Described { star, arrival } = describe(lpm, first)?;
+            (star, arrival, Some(lpm.robot_pose))
+        }
+        (Percept::Lpm(_), None) => return Ok((Phase::Place(Here { facing: None, heading: None }), None)),
+    };
+    if !first && star.slot(arrival).is_none_or(|slot| slot.inward.is_none()) {
+        return Err(ExperienceError::ArrivalNotInward(arrival.0));
+    }
+    let heading = robot_pose.map(|pose: Pose| pose.theta).or_else(|| star.slot(arrival)?.bearing);
+    let here = Here { facing: Some((star.clone(), arrival)), heading };
+    Ok((Phase::Place(here), Some(Sighting { star, arrival, departure })))
+}
+
+fn out_of_order(found: &EventKind, phase: &Phase) -> ExperienceError {
+    let found = match found {
+        EventKind::Observation(_) => "observation",
+        EventKind::Turn(_) => "turn",
+        EventKind::Travel(_) => "travel",
+    };
+    let expected = match phase {
+        Phase::Start => "an observation first",
+        Phase::Place(_) => "a turn or a travel after an observation",
+        Phase::Travelling(_) => "the observation at the end of the travel",
+    };
+    ExperienceError::Order { found, expected }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::ndjson::{parse_event, read_trace};
+
+    const STAR: &str = r#""star":{"slots":[{"fragment":1,"direction":"+","out":null,"in":2,"control":"dead_end"},{"fragment":1,"direction":"-","out":2,"in":null,"control":"midline"}]}"#;
+
+    fn fault(lines: &[&str]) -> (usize, String) {
+        let (events, error) = read_trace(lines.join("\n").as_bytes());
+        (events.len(), error.map_or_else(String::new, |e| e.to_string()))
+    }
+
+    #[test]
+    fn the_first_fault_names_line_and_pointer_and_keeps_what_came_before() {
+        let first = format!(r#"{{"seq":0,"kind":"observation",{STAR},"dstate":0}}"#);
+        let cases: [(&str, &str); 8] = [
+            (r#"{"seq":2,"kind":"travel"}"#, "line 2: /seq is 2, expected 1"),
+            (r#"{"seq":1,"kind":"travel"}"#, "line 2: leaves by slot 0, which has no outward gateway"),
+            (
+                r#"{"seq":1,"kind":"turn","to":2}"#,
+                "line 2: /to is 2, expected a slot of the latest star, 0 to 1",
+            ),
+            (r#"{"seq":1,"kind":"turn","angle":1.0}"#, "line 2: turns in radians, but the latest star"),
+            (r#"{"seq":1,"kind":"turn","to":1,"speed":3}"#, "line 2: /speed unknown field `speed`"),
+            (
+                r#"{"seq":1,"kind":"turn","odometry":{"x":0,"y":0,"theta":0}}"#,
+                "line 2: /odometry belongs to a travel",
+            ),
+            (r#"{"seq":1,"kind":"turn"}"#, "line 2: a turn needs to"),
+            (r#"{"seq":1,"#, "line 2: "),
+        ];
+        for (line, expected) in cases {
+            let (kept, error) = fault(&[&first, line]);
+            assert_eq!(kept, 1);
+            assert!(error.starts_with(expected), "{error}");
+        }
+        let (_, error) = fault(&[&first.replace("\"in\":2", "\"in\":3")]);
+        assert!(error.starts_with("line 1: /star/slots slot 0 has inward gateway 3, expected 2"), "{error}");
+        let (_, error) = fault(&[&first.replace("\"dead_end\"", "\"stop\"")]);
+        assert!(error.starts_with("line 1: /star/slots/0/control unknown variant `stop`"), "{error}");
+    }
+
+    #[test]
+    fn the_arrival_slot_must_have_an_inward_gateway() {
+        let line = |seq: u64, rest: &str| format!(r#"{{"seq":{seq},"kind":{rest}}}"#);
+        let lines = [
+            line(0, &format!(r#""observation",{STAR},"dstate":1"#)),
+            line(1, r#""travel""#),
+            line(2, &format!(r#""observation",{STAR},"dstate":1"#)),
+        ];
+        let (kept, error) = fault(&[&lines[0], &lines[1], &lines[2]]);
+        assert_eq!(kept, 2);
+        assert!(error.starts_with("line 3: /dstate is 1, a slot without an inward gateway"), "{error}");
+    }
+
+    #[test]
+    fn a_refused_event_leaves_the_experience_as_it_was() {
+        let mut experience = Experience::new();
+        let travel = parse_event(r#"{"seq":0,"kind":"travel"}"#).unwrap();
+        assert!(experience.check(&travel).is_err());
+        assert_eq!(experience, Experience::new());
+    }
+}

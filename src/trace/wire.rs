@@ -1,0 +1,436 @@
+//! The JSON form of an event: one flat object, unknown fields refused.
+//!
+//! The types here are the wire contract of the trace format and of `POST /v1/maps/{map}/events`; what an object
+//! may hold depends on its `kind`, and [`WireEvent::into_event`] says what is missing or out of place by JSON
+//! pointer.
+
+use super::wire_grid::WireLpm;
+use crate::geometry::Pose;
+use crate::star::{ControlLaw, Direction, FragmentId, GatewayId, Slot, SlotIndex, SmallScaleStar};
+use crate::trace::event::{Event, EventKind, Observation, Percept, Stamp, Travel, Turn, TurnTarget};
+use crate::trace::ndjson::EventError;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+/// One event of a trace. `kind` says which of the other fields apply.
+#[derive(Clone, Debug, Serialize, Deserialize, ToSchema)]
+#[schema(as = Event)]
+#[serde(deny_unknown_fields)]
+pub struct WireEvent {
+    /// Position in the trace, counted from 0 without gaps; the idempotency key.
+    pub seq: u64,
+    /// What happened.
+    pub kind: WireKind,
+    /// When it happened.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stamp: Option<WireStamp>,
+    /// observation: the star description, with `dstate`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub star: Option<WireStar>,
+    /// observation: the slot of `star` the robot is at after the event.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dstate: Option<u64>,
+    /// observation: a local perceptual model in place of `star` and `dstate`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lpm: Option<WireLpm>,
+    /// observation: the robot's pose in the frame of the observation on arrival.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub robot_pose: Option<WirePose>,
+    /// turn: the slot of the latest star that the robot faces now.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub to: Option<u64>,
+    /// turn: the direction the robot faces now, radians, in the frame of the latest LPM.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub heading: Option<f64>,
+    /// turn: how far the robot turned, radians, counter-clockwise positive.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angle: Option<f64>,
+    /// travel: the displacement over the travel in the robot's frame at its start.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub odometry: Option<WirePose>,
+    /// travel: covariance of the displacement, 9 numbers, row-major x, y, theta.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub covariance: Option<Vec<f64>>,
+    /// travel: pose in the frame of the last observation when the travel started.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub from_pose: Option<WirePose>,
+    /// travel: the way it went, points in the frame of `odometry`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shape: Option<Vec<[f64; 2]>>,
+}
+
+/// The kinds of event.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[schema(as = EventKind)]
+#[serde(rename_all = "lowercase")]
+pub enum WireKind {
+    /// What was seen at a place.
+    Observation,
+    /// A turn within a place.
+    Turn,
+    /// A travel along a path.
+    Travel,
+}
+
+/// A time as ROS spells it.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, ToSchema)]
+#[schema(as = Stamp)]
+#[serde(deny_unknown_fields)]
+pub struct WireStamp {
+    /// Whole seconds.
+    pub sec: i64,
+    /// Nanoseconds within the second.
+    #[serde(alias = "nsec")]
+    #[schema(maximum = 999_999_999)]
+    pub nanosec: u32,
+}
+
+/// A pose or displacement: metres and radians.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, ToSchema)]
+#[schema(as = Pose)]
+#[serde(deny_unknown_fields)]
+pub struct WirePose {
+    /// Metres along the first axis.
+    pub x: f64,
+    /// Metres along the second axis.
+    pub y: f64,
+    /// Radians, counter-clockwise positive.
+    pub theta: f64,
+}
+
+/// A star description: directed path fragments, clockwise.
+#[derive(Clone, Debug, Serialize, Deserialize, ToSchema)]
+#[schema(as = Star)]
+#[serde(deny_unknown_fields)]
+pub struct WireStar {
+    /// The slots, clockwise.
+    pub slots: Vec<WireSlot>,
+}
+
+/// A directed path fragment.
+#[derive(Clone, Debug, Serialize, Deserialize, ToSchema)]
+#[schema(as = Slot)]
+#[serde(deny_unknown_fields)]
+pub struct WireSlot {
+    /// The path fragment; each has exactly two slots.
+    pub fragment: u32,
+    /// The direction along it.
+    pub direction: WireDirection,
+    /// The outward-facing gateway, or null.
+    pub out: Option<u32>,
+    /// The inward-facing gateway, or null.
+    #[serde(rename = "in")]
+    pub inward: Option<u32>,
+    /// How to travel away in this direction.
+    pub control: WireControl,
+    /// Outward direction in the frame of the observation, radians.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bearing: Option<f64>,
+    /// Width of the gateway, metres.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub width: Option<f64>,
+    /// How far gateway and label are from being decided otherwise, as a fraction of the deciding threshold.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub margin: Option<f64>,
+}
+
+/// The direction along a path fragment.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, ToSchema)]
+#[schema(as = Direction)]
+pub enum WireDirection {
+    /// `+`
+    #[serde(rename = "+")]
+    Plus,
+    /// `-`
+    #[serde(rename = "-")]
+    Minus,
+}
+
+/// Control laws of the seed, section 4.3.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, ToSchema)]
+#[schema(as = ControlLaw)]
+#[serde(rename_all = "snake_case")]
+pub enum WireControl {
+    /// Between two walls.
+    Midline,
+    /// Along a wall on the left.
+    LeftWall,
+    /// Along a wall on the right.
+    RightWall,
+    /// The way is blocked.
+    DeadEnd,
+    /// Too far from any obstacle for a control law.
+    None,
+}
+
+impl WireEvent {
+    /// The event, or what is wrong with it.
+    pub fn into_event(self) -> Result<Event, EventError> {
+        let stamp = self.stamp.map(stamp).transpose()?;
+        self.refuse_misplaced()?;
+        let seq = self.seq;
+        let kind = match self.kind {
+            WireKind::Observation => EventKind::Observation(Box::new(self.observation()?)),
+            WireKind::Turn => EventKind::Turn(self.turn()?),
+            WireKind::Travel => EventKind::Travel(Box::new(self.travel()?)),
+        };
+        Ok(Event { seq, stamp, kind })
+    }
+
+    /// The JSON form of an event. Grids are written as base64 bytes.
+    pub fn from_event(event: &Event) -> WireEvent {
+        let stamp = event.stamp.map(|s| WireStamp { sec: s.sec, nanosec: s.nanosec });
+        let mut wire = WireEvent { stamp, ..WireEvent::empty(event.seq) };
+        match &event.kind {
+            EventKind::Observation(observation) => wire.put_observation(observation),
+            EventKind::Turn(turn) => wire.put_turn(turn),
+            EventKind::Travel(travel) => wire.put_travel(travel),
+        }
+        wire
+    }
+
+    fn empty(seq: u64) -> WireEvent {
+        WireEvent {
+            seq,
+            kind: WireKind::Observation,
+            stamp: None,
+            star: None,
+            dstate: None,
+            lpm: None,
+            robot_pose: None,
+            to: None,
+            heading: None,
+            angle: None,
+            odometry: None,
+            covariance: None,
+            from_pose: None,
+            shape: None,
+        }
+    }
+
+    fn refuse_misplaced(&self) -> Result<(), EventError> {
+        use WireKind::{Observation, Travel, Turn};
+        let fields = [
+            ("star", self.star.is_some(), Observation),
+            ("dstate", self.dstate.is_some(), Observation),
+            ("lpm", self.lpm.is_some(), Observation),
+            ("robot_pose", self.robot_pose.is_some(), Observation),
+            ("to", self.to.is_some(), Turn),
+            ("heading", self.heading.is_some(), Turn),
+            ("angle", self.angle.is_some(), Turn),
+            ("odometry", self.odometry.is_some(), Travel),
+            ("covariance", self.covariance.is_some(), Travel),
+            ("from_pose", self.from_pose.is_some(), Travel),
+            ("shape", self.shape.is_some(), Travel),
+        ];
+        let misplaced = fields.iter().find(|(_, given, kind)| *given && *kind != self.kind);
+        misplaced.map_or(Ok(()), |(field, _, kind)| {
+            let (kind, here) =
+                (format!("{kind:?}").to_lowercase(), format!("{:?}", self.kind).to_lowercase());
+            Err(EventError::new(
+                format!("/{field}"),
+                format!("belongs to a {kind}, but this event is a {here}; leave it out"),
+            ))
+        })
+    }
+
+    fn observation(self) -> Result<Observation, EventError> {
+        let robot_pose = self.robot_pose.map(WirePose::pose);
+        let percept = match (self.star, self.lpm) {
+            (Some(star), None) => {
+                let Some(dstate) = self.dstate else {
+                    return Err(EventError::new(
+                        "/dstate",
+                        "is missing, expected the slot of the star that the robot is at, counted from 0",
+                    ));
+                };
+                let star = star.star()?;
+                let dstate = slot_index(dstate, star.slots().len(), "/dstate")?;
+                Percept::Star { star, dstate, robot_pose }
+            }
+            (None, Some(_)) if self.dstate.is_some() => {
+                return Err(EventError::new(
+                    "/dstate",
+                    "belongs to a star; for an lpm it follows from robot_pose, leave it out",
+                ));
+            }
+            (None, Some(lpm)) => Percept::Lpm(lpm.lpm(robot_pose.unwrap_or(Pose::IDENTITY))?),
+            (Some(_), Some(_)) => {
+                return Err(EventError::new("/lpm", "stands beside a star, expected one of the two"));
+            }
+            (None, None) => {
+                return Err(EventError::new("", "an observation needs a star (with dstate) or an lpm"));
+            }
+        };
+        Ok(Observation { percept })
+    }
+
+    fn turn(self) -> Result<Turn, EventError> {
+        match (self.to, self.heading, self.angle) {
+            (Some(_), Some(_), _) => {
+                Err(EventError::new("/heading", "stands beside to, expected one of the two"))
+            }
+            (None, Some(_), Some(_)) => {
+                Err(EventError::new("/angle", "stands beside heading, expected one of the two"))
+            }
+            (Some(to), None, angle) => {
+                let slot = slot_index(to, crate::star::MAX_SLOTS, "/to")?;
+                Ok(Turn { target: TurnTarget::Slot(slot), angle })
+            }
+            (None, Some(heading), None) => Ok(Turn { target: TurnTarget::Heading(heading), angle: None }),
+            (None, None, Some(angle)) => Ok(Turn { target: TurnTarget::Angle(angle), angle: Some(angle) }),
+            (None, None, None) => {
+                Err(EventError::new("", "a turn needs to (a slot), heading or angle (radians)"))
+            }
+        }
+    }
+
+    fn travel(self) -> Result<Travel, EventError> {
+        let covariance = self.covariance.map(|numbers| covariance(&numbers)).transpose()?;
+        if covariance.is_some() && self.odometry.is_none() {
+            return Err(EventError::new(
+                "/covariance",
+                "stands without the odometry it belongs to; add odometry or leave it out",
+            ));
+        }
+        Ok(Travel {
+            odometry: self.odometry.map(WirePose::pose),
+            covariance,
+            from_pose: self.from_pose.map(WirePose::pose),
+            shape: self.shape.unwrap_or_default(),
+        })
+    }
+
+    fn put_observation(&mut self, observation: &Observation) {
+        match &observation.percept {
+            Percept::Star { star, dstate, robot_pose } => {
+                self.star = Some(WireStar::from_star(star));
+                self.dstate = Some(dstate.0.into());
+                self.robot_pose = robot_pose.as_ref().map(WirePose::from_pose);
+            }
+            Percept::Lpm(lpm) => {
+                self.lpm = Some(WireLpm::from_grid(&lpm.grid));
+                self.robot_pose = Some(WirePose::from_pose(&lpm.robot_pose));
+            }
+        }
+    }
+
+    fn put_turn(&mut self, turn: &Turn) {
+        self.kind = WireKind::Turn;
+        match turn.target {
+            TurnTarget::Slot(slot) => (self.to, self.angle) = (Some(slot.0.into()), turn.angle),
+            TurnTarget::Heading(heading) => self.heading = Some(heading),
+            TurnTarget::Angle(angle) => self.angle = Some(angle),
+        }
+    }
+
+    fn put_travel(&mut self, travel: &Travel) {
+        self.kind = WireKind::Travel;
+        self.odometry = travel.odometry.as_ref().map(WirePose::from_pose);
+        self.covariance = travel.covariance.map(|c| c.to_vec());
+        self.from_pose = travel.from_pose.as_ref().map(WirePose::from_pose);
+        self.shape = (!travel.shape.is_empty()).then(|| travel.shape.clone());
+    }
+}
+
+impl WirePose {
+    /// The pose.
+    pub fn pose(self) -> Pose {
+        Pose::new(self.x, self.y, self.theta)
+    }
+
+    /// The JSON form of a pose.
+    pub fn from_pose(pose: &Pose) -> WirePose {
+        WirePose { x: pose.x, y: pose.y, theta: pose.theta }
+    }
+}
+
+impl WireStar {
+    /// The star, checked.
+    pub fn star(self) -> Result<SmallScaleStar, EventError> {
+        let slots = self.slots.into_iter().map(WireSlot::slot).collect();
+        SmallScaleStar::new(slots).map_err(|error| EventError::new("/star/slots", error.to_string()))
+    }
+
+    /// The JSON form of a star.
+    pub fn from_star(star: &SmallScaleStar) -> WireStar {
+        WireStar { slots: star.slots().iter().map(WireSlot::from_slot).collect() }
+    }
+}
+
+impl WireSlot {
+    fn slot(self) -> Slot {
+        Slot {
+            fragment: FragmentId(self.fragment),
+            direction: match self.direction {
+                WireDirection::Plus => Direction::Plus,
+                WireDirection::Minus => Direction::Minus,
+            },
+            outward: self.out.map(GatewayId),
+            inward: self.inward.map(GatewayId),
+            control: match self.control {
+                WireControl::Midline => ControlLaw::Midline,
+                WireControl::LeftWall => ControlLaw::LeftWall,
+                WireControl::RightWall => ControlLaw::RightWall,
+                WireControl::DeadEnd => ControlLaw::DeadEnd,
+                WireControl::None => ControlLaw::None,
+            },
+            bearing: self.bearing,
+            width: self.width,
+            margin: self.margin,
+        }
+    }
+
+    fn from_slot(slot: &Slot) -> WireSlot {
+        WireSlot {
+            fragment: slot.fragment.0,
+            direction: match slot.direction {
+                Direction::Plus => WireDirection::Plus,
+                Direction::Minus => WireDirection::Minus,
+            },
+            out: slot.outward.map(|g| g.0),
+            inward: slot.inward.map(|g| g.0),
+            control: match slot.control {
+                ControlLaw::Midline => WireControl::Midline,
+                ControlLaw::LeftWall => WireControl::LeftWall,
+                ControlLaw::RightWall => WireControl::RightWall,
+                ControlLaw::DeadEnd => WireControl::DeadEnd,
+                ControlLaw::None => WireControl::None,
+            },
+            bearing: slot.bearing,
+            width: slot.width,
+            margin: slot.margin,
+        }
+    }
+}
+
+fn stamp(wire: WireStamp) -> Result<Stamp, EventError> {
+    if wire.nanosec >= 1_000_000_000 {
+        return Err(EventError::new("/stamp/nanosec", "is a second or more, expected 0 to 999999999"));
+    }
+    Ok(Stamp { sec: wire.sec, nanosec: wire.nanosec })
+}
+
+fn slot_index(given: u64, slots: usize, pointer: &str) -> Result<SlotIndex, EventError> {
+    if given < slots as u64 {
+        // The star's own bound keeps `slots` within a byte.
+        return Ok(SlotIndex(given as u8));
+    }
+    Err(EventError::new(pointer, format!("is {given}, expected a slot from 0 to {}", slots - 1)))
+}
+
+fn covariance(numbers: &[f64]) -> Result<[f64; 9], EventError> {
+    let wrong = |message: &str| EventError::new("/covariance", message);
+    let nine: [f64; 9] = numbers
+        .try_into()
+        .map_err(|_| wrong(&format!("has {} numbers, expected 9, row-major x, y, theta", numbers.len())))?;
+    let matrix = nalgebra::Matrix3::from_row_slice(&nine);
+    let scale = matrix.amax().max(f64::MIN_POSITIVE);
+    if (matrix - matrix.transpose()).amax() > 1e-9 * scale {
+        return Err(wrong("is not symmetric, expected entry (i, j) equal to entry (j, i)"));
+    }
+    if matrix.symmetric_eigenvalues().min() < -1e-9 * scale {
+        return Err(wrong("has a negative eigenvalue, expected a positive semi-definite matrix"));
+    }
+    Ok(nine)
+}
