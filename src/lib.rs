@@ -8,6 +8,7 @@
 
 pub mod geometry;
 pub mod grid;
+pub mod sensor;
 pub mod lpm;
 pub mod gateway;
 pub mod star;
