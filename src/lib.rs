@@ -11,3 +11,5 @@ pub mod grid;
 pub mod lpm;
 pub mod gateway;
 pub mod star;
+pub mod map;
+pub mod abduction;
