@@ -16,4 +16,4 @@ pub mod trace;
 pub mod map;
 pub mod abduction;
 pub mod export;
-
+pub mod service;
