@@ -1,1 +1,4 @@
-//! tests
+//! The whole product from outside, in one binary.
+
+mod http;
+mod openapi;
