@@ -89,6 +89,11 @@ impl OccupancyGrid {
         Ok(OccupancyGrid { info, cells })
     }
 
+    /// Whether a grid of this size, scale and place can be made.
+    pub fn check(info: &GridInfo) -> Result<(), GridError> {
+        check(info, info.width.saturating_mul(info.height))
+    }
+
     /// A grid from ROS occupancy values: below 0 and above 100 unknown, up to 19 free, from 65 occupied,
     /// unknown between (the thresholds of `map_server`).
     pub fn from_occupancy(info: GridInfo, values: &[i8]) -> Result<Self, GridError> {
