@@ -13,3 +13,5 @@ pub mod lpm;
 pub mod gateway;
 pub mod star;
 pub mod trace;
+pub mod map;
+pub mod abduction;
