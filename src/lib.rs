@@ -15,3 +15,4 @@ pub mod star;
 pub mod trace;
 pub mod map;
 pub mod abduction;
+pub mod export;

@@ -384,22 +384,34 @@ impl WireSlot {
     fn from_slot(slot: &Slot) -> WireSlot {
         WireSlot {
             fragment: slot.fragment.0,
-            direction: match slot.direction {
-                Direction::Plus => WireDirection::Plus,
-                Direction::Minus => WireDirection::Minus,
-            },
+            direction: slot.direction.into(),
             out: slot.outward.map(|g| g.0),
             inward: slot.inward.map(|g| g.0),
-            control: match slot.control {
-                ControlLaw::Midline => WireControl::Midline,
-                ControlLaw::LeftWall => WireControl::LeftWall,
-                ControlLaw::RightWall => WireControl::RightWall,
-                ControlLaw::DeadEnd => WireControl::DeadEnd,
-                ControlLaw::None => WireControl::None,
-            },
+            control: slot.control.into(),
             bearing: slot.bearing,
             width: slot.width,
             margin: slot.margin,
+        }
+    }
+}
+
+impl From<Direction> for WireDirection {
+    fn from(direction: Direction) -> WireDirection {
+        match direction {
+            Direction::Plus => WireDirection::Plus,
+            Direction::Minus => WireDirection::Minus,
+        }
+    }
+}
+
+impl From<ControlLaw> for WireControl {
+    fn from(control: ControlLaw) -> WireControl {
+        match control {
+            ControlLaw::Midline => WireControl::Midline,
+            ControlLaw::LeftWall => WireControl::LeftWall,
+            ControlLaw::RightWall => WireControl::RightWall,
+            ControlLaw::DeadEnd => WireControl::DeadEnd,
+            ControlLaw::None => WireControl::None,
         }
     }
 }

@@ -1,0 +1,179 @@
+//! The report of an abduction: the one stable object of `map --json`.
+
+use crate::abduction::{self, AxiomSet, Candidate, Profile};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use utoipa::ToSchema;
+
+/// What an abduction has found. Fields are added, never renamed or removed, within one `version`.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct Report {
+    /// Version of this format: 1.
+    pub version: u32,
+    /// How many candidates explain all observations.
+    pub candidates: Count,
+    /// How many candidates explained the observations up to each.
+    pub candidates_per_observation: Vec<Count>,
+    /// How many maps were made in the search.
+    pub maps_created: Count,
+    /// How many candidates each axiom refuted, by the name of the axiom.
+    pub refuted: BTreeMap<&'static str, u64>,
+    /// How the candidates were searched.
+    pub strategy: Strategy,
+    /// The profile that holds exactly these axioms, or `custom`.
+    pub profile: &'static str,
+    /// The axioms held.
+    pub axioms: Vec<&'static str>,
+    /// Whether every candidate there is was kept.
+    pub complete: bool,
+    /// The simplest map; null before the first observation and when no map is left.
+    pub preferred: Option<Preferred>,
+    /// The `visits` of each candidate as simple as the preferred one, that one first.
+    pub minimal: Vec<Vec<usize>>,
+    /// Why the search ended early; null if every candidate was followed to the last observation.
+    pub stop_reason: Option<StopReason>,
+    /// What refuted the last candidates; null unless no candidate is left.
+    pub extinction: Option<Extinction>,
+    /// Wall time of the search; the command line fills it in.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seconds: Option<f64>,
+}
+
+/// A count that says whether it is exact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ToSchema)]
+pub struct Count {
+    /// The number counted.
+    pub value: u64,
+    /// How the true number compares with it.
+    pub relation: Relation,
+}
+
+/// How a true number compares with the number counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Relation {
+    /// It is equal.
+    Eq,
+    /// It is equal or greater: a limit cut the search.
+    Gte,
+}
+
+/// How candidates are searched.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Strategy {
+    /// All candidates, one observation after the other: exhaustive.
+    #[default]
+    BreadthFirst,
+}
+
+/// The simplest map.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, ToSchema)]
+pub struct Preferred {
+    /// Whether it is the only one this simple.
+    pub unique: bool,
+    /// Whether no consistent map is known to be simpler.
+    pub proven: bool,
+    /// Number of paths, travelled or not.
+    pub paths: usize,
+    /// Number of places.
+    pub places: usize,
+    /// Number of path segments.
+    pub segments: usize,
+    /// Number of distinctive states.
+    pub dstates: usize,
+    /// The number of the place of each observation; places are numbered by first visit.
+    pub visits: Vec<usize>,
+}
+
+/// Why a search ended early.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum StopReason {
+    /// The limit on candidates cut the search.
+    CandidateLimit,
+    /// No candidate is left: the axioms do not allow the trace.
+    Inconsistent,
+}
+
+/// The end of all candidates.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, ToSchema)]
+pub struct Extinction {
+    /// The observation that nothing explains, counted from 0.
+    pub observation: usize,
+    /// The axioms that refuted the last candidates.
+    pub axioms: Vec<&'static str>,
+}
+
+impl Report {
+    /// The wire form of what an abduction with these axioms has found.
+    pub fn new(found: &abduction::Report, axioms: AxiomSet) -> Report {
+        Report {
+            version: 1,
+            candidates: found.candidates.into(),
+            candidates_per_observation: found.candidates_per_observation.iter().map(|&c| c.into()).collect(),
+            maps_created: found.maps_created.into(),
+            refuted: found.refuted.iter().map(|(axiom, count)| (axiom.name(), count)).collect(),
+            strategy: Strategy::BreadthFirst,
+            profile: profile_name(axioms),
+            axioms: axioms.iter().map(|axiom| axiom.name).collect(),
+            complete: found.complete,
+            preferred: Preferred::of(found),
+            minimal: found.minimal.iter().map(Candidate::places).collect(),
+            stop_reason: StopReason::of(found.stop_reason),
+            extinction: found.extinction.as_ref().map(Extinction::of),
+            seconds: None,
+        }
+    }
+}
+
+impl Preferred {
+    /// The first of the simplest candidates, if any is left.
+    pub fn of(found: &abduction::Report) -> Option<Preferred> {
+        let candidate = found.minimal.first()?;
+        Some(Preferred {
+            unique: found.unique,
+            proven: found.proven,
+            paths: candidate.map.path_count(),
+            places: candidate.map.place_count(),
+            segments: candidate.map.segment_count(),
+            dstates: candidate.map.dstate_count(),
+            visits: candidate.places(),
+        })
+    }
+}
+
+impl StopReason {
+    /// Why it ended early, if it did.
+    pub fn of(reason: abduction::StopReason) -> Option<StopReason> {
+        match reason {
+            abduction::StopReason::Exhausted => None,
+            abduction::StopReason::CandidateLimit { .. } => Some(StopReason::CandidateLimit),
+            abduction::StopReason::Inconsistent { .. } => Some(StopReason::Inconsistent),
+        }
+    }
+}
+
+impl Extinction {
+    /// The wire form.
+    pub fn of(extinction: &abduction::Extinction) -> Extinction {
+        let axioms = extinction.axioms.iter().map(|axiom| axiom.name()).collect();
+        Extinction { observation: extinction.observation, axioms }
+    }
+}
+
+impl From<abduction::Count> for Count {
+    fn from(count: abduction::Count) -> Count {
+        let relation = match count.relation {
+            abduction::Relation::Equal => Relation::Eq,
+            abduction::Relation::AtLeast => Relation::Gte,
+        };
+        Count { value: count.value, relation }
+    }
+}
+
+/// The name of the profile that holds exactly these axioms, or `custom`.
+pub fn profile_name(axioms: AxiomSet) -> &'static str {
+    let profile = Profile::ALL.into_iter().find(|&profile| AxiomSet::of(profile) == axioms);
+    profile.map_or("custom", Profile::name)
+}
