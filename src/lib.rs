@@ -12,3 +12,5 @@ pub mod lpm;
 pub mod gateway;
 pub mod star;
 pub mod trace;
+#[path = "../worlds/mod.rs"]
+pub mod worlds;
