@@ -14,3 +14,5 @@ pub mod star;
 pub mod trace;
 #[path = "../worlds/mod.rs"]
 pub mod worlds;
+pub mod map;
+pub mod abduction;

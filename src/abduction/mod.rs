@@ -1,0 +1,31 @@
+//! The abduction of maps: which assignments of observations to places explain a trace, and which explains it best
+//! (seed, sections 3.2, 3.3 and 4.4; Remolina and Kuipers, IJCAI-01).
+//!
+//! A *candidate* assigns every observation to a place and a rotation, such that the axioms hold. An observation
+//! *extends* the candidates there are: travel along a known path segment keeps a map or refutes it, travel into
+//! the unknown branches over every place that looks the same, in each rotation, and over a new place. *Preferred*
+//! are the candidates with the fewest paths, among them those with the fewest places.
+//!
+//! Symbols only. What is known of metres enters, if at all, as further axioms.
+
+mod axiom;
+mod axiom_set;
+mod branch;
+mod candidate;
+mod children;
+mod preference;
+mod refutation;
+mod report;
+mod search;
+mod tree;
+mod visit;
+
+pub use axiom::{Axiom, AxiomId, Profile, REGISTRY};
+pub use axiom_set::{AxiomError, AxiomSet};
+pub use branch::{Branch, Proposal};
+pub use candidate::{Assignment, Candidate};
+pub use preference::Simplicity;
+pub use refutation::Refutations;
+pub use report::{Count, Extinction, Relation, Report, StopReason};
+pub use search::{Abduction, Limits};
+pub use visit::{Visit, VisitError};

@@ -1,0 +1,43 @@
+//! How many candidates each axiom refuted.
+
+use crate::abduction::{AxiomId, REGISTRY};
+
+/// Refuted candidates, counted by the axiom that refuted them: the first in the order of the registry that does
+/// not hold.
+///
+/// `star-match` is counted only where a known path segment leads to a star that does not match. Closures to places
+/// whose stars have no alignment with the one observed are never proposed, so never refuted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Refutations {
+    counts: [u64; REGISTRY.len()],
+}
+
+impl Refutations {
+    /// How many this axiom refuted.
+    pub fn by(&self, id: AxiomId) -> u64 {
+        self.counts[id as usize]
+    }
+
+    /// All axioms that refuted a candidate, and how many each, in the order of the registry.
+    pub fn iter(&self) -> impl Iterator<Item = (AxiomId, u64)> {
+        REGISTRY.iter().map(|axiom| (axiom.id, self.by(axiom.id))).filter(|&(_, count)| count > 0)
+    }
+
+    /// How many in all.
+    pub fn total(&self) -> u64 {
+        self.counts.iter().sum()
+    }
+
+    pub(super) fn count(&mut self, id: AxiomId) {
+        self.counts[id as usize] += 1;
+    }
+}
+
+impl std::iter::Sum for Refutations {
+    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
+        all.fold(Refutations::default(), |mut sum, one| {
+            sum.counts.iter_mut().zip(one.counts).for_each(|(total, count)| *total += count);
+            sum
+        })
+    }
+}

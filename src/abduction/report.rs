@@ -1,0 +1,95 @@
+//! What an abduction has found.
+
+use crate::abduction::{AxiomId, Candidate, Refutations, Simplicity};
+use crate::map::CanonicalMap;
+use std::collections::BTreeSet;
+
+/// The findings after some observations.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Report {
+    /// How many candidates explain all observations.
+    pub candidates: Count,
+    /// How many candidates explained all observations up to each.
+    pub candidates_per_observation: Vec<Count>,
+    /// How many maps were made: that of the first place, and each that a branch made and no axiom refuted. Travel
+    /// over a known path segment makes none.
+    pub maps_created: Count,
+    /// How many candidates each axiom refuted, at least where the search is not complete.
+    pub refuted: Refutations,
+    /// The same for each observation.
+    pub refuted_per_observation: Vec<Refutations>,
+    /// The simplest candidates, all that are equally simple, by visits.
+    pub minimal: Vec<Candidate>,
+    /// How simple they are.
+    pub simplicity: Option<Simplicity>,
+    /// Whether one candidate is known to be simpler than all others.
+    pub unique: bool,
+    /// Whether no consistent map is known to be simpler than the minimal ones, or to tie with them unlisted.
+    pub proven: bool,
+    /// Whether every candidate there is was kept.
+    pub complete: bool,
+    /// Why the search ended.
+    pub stop_reason: StopReason,
+    /// What refuted the last candidates, if none is left.
+    pub extinction: Option<Extinction>,
+}
+
+/// A count that says whether it is exact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Count {
+    /// The number counted.
+    pub value: u64,
+    /// How it compares with the true one.
+    pub relation: Relation,
+}
+
+/// How the true count compares with the number counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Relation {
+    /// It is equal.
+    Equal,
+    /// It is equal or greater, as a limit cut the search.
+    AtLeast,
+}
+
+/// Why a search ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum StopReason {
+    /// All candidates were followed to the last observation.
+    Exhausted,
+    /// The limit on candidates cut the search.
+    CandidateLimit {
+        /// The first observation at which it did.
+        observation: usize,
+    },
+    /// No candidate was left, and none had been cut: the axioms do not allow the trace.
+    Inconsistent {
+        /// The observation that nothing explains.
+        observation: usize,
+    },
+}
+
+/// The end of all candidates.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Extinction {
+    /// The observation that nothing explains.
+    pub observation: usize,
+    /// The axioms that refuted the last candidates.
+    pub axioms: Vec<AxiomId>,
+}
+
+impl Report {
+    /// The number of different maps among the minimal ones, where the numbers of places and the visits do not
+    /// count: two candidates may tell different stories of one map. Quadratic in the dstates of each.
+    pub fn minimal_maps(&self) -> usize {
+        let maps: BTreeSet<CanonicalMap> =
+            self.minimal.iter().map(|candidate| CanonicalMap::of(&candidate.map)).collect();
+        maps.len()
+    }
+}
+
+impl Count {
+    pub(super) fn new(value: u64, exact: bool) -> Count {
+        Count { value, relation: if exact { Relation::Equal } else { Relation::AtLeast } }
+    }
+}

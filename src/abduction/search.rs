@@ -1,0 +1,190 @@
+//! The search: breadth-first, so exhaustive unless a limit cuts it.
+
+use crate::abduction::candidate::{Assignment, Candidate};
+use crate::abduction::children::{Child, Extension, Seen, turned};
+use crate::abduction::tree::{Node, Tree};
+use crate::abduction::{
+    AxiomSet, Count, Extinction, Refutations, Report, Simplicity, StopReason, Visit, VisitError,
+};
+use crate::map::{DstateId, PlaceId, StarTable, TopologicalMap};
+use std::sync::Arc;
+
+/// All candidates that explain the observations so far (seed, section 3.3, exhaustive breadth-first search).
+///
+/// An observation extends the candidates; it recomputes none. Candidates are in the order of their assignments,
+/// which is also that of breadth-first generation. A clone shares everything and is a snapshot: its cost is that
+/// of one pointer per observation. Time and memory are exponential in the travels in the worst case (seed,
+/// section 4.4).
+#[derive(Clone, Debug)]
+pub struct Abduction {
+    axioms: AxiomSet,
+    limits: Limits,
+    stars: Arc<StarTable>,
+    last: Option<Visit>,
+    tree: Tree,
+    /// The maps of the tree's leaves.
+    maps: Arc<Vec<Arc<TopologicalMap>>>,
+    maps_created: u64,
+    refuted: Vec<Refutations>,
+    first_cut: Option<usize>,
+}
+
+/// What a search may use.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Limits {
+    /// The most candidates kept after an observation: the simplest, and of equally simple ones the first by visits.
+    pub max_candidates: Option<usize>,
+}
+
+impl Abduction {
+    /// An abduction that has seen nothing.
+    pub fn new(axioms: AxiomSet, limits: Limits) -> Self {
+        Abduction {
+            axioms,
+            limits,
+            stars: Arc::default(),
+            last: None,
+            tree: Tree::default(),
+            maps: Arc::default(),
+            maps_created: 0,
+            refuted: Vec::new(),
+            first_cut: None,
+        }
+    }
+
+    /// The axioms it holds.
+    pub fn axioms(&self) -> AxiomSet {
+        self.axioms
+    }
+
+    /// Extends the candidates by one observation. After an error all is as before.
+    pub fn observe(&mut self, visit: &Visit) -> Result<(), VisitError> {
+        visit.check(self.last.as_ref().map(|visit| &visit.star))?;
+        if self.tree.depth() == PlaceId::LIMIT {
+            return Err(VisitError::TooMany);
+        }
+        let star = self.stars.intern(&visit.star).ok_or(VisitError::TooMany)?;
+        self.stars = Arc::clone(&star.table);
+        match visit.departure {
+            None => {
+                let child = Child {
+                    map: Arc::new(TopologicalMap::first(&star)),
+                    assignment: Assignment { place: PlaceId::FIRST, rotation: 0 },
+                    made: true,
+                };
+                self.keep(vec![(0, child)], Refutations::default());
+            }
+            Some(departure) => self.extend(&Seen::new(visit, departure, star)),
+        }
+        self.last = Some(visit.clone());
+        Ok(())
+    }
+
+    /// The number of observations.
+    pub fn observations(&self) -> usize {
+        self.tree.depth()
+    }
+
+    /// The number of candidates kept.
+    pub fn len(&self) -> usize {
+        self.maps.len()
+    }
+
+    /// Whether no candidate is kept.
+    pub fn is_empty(&self) -> bool {
+        self.maps.is_empty()
+    }
+
+    /// The candidate at a position in the order of assignments. Linear in the observations.
+    pub fn candidate(&self, index: usize) -> Option<Candidate> {
+        let (map, leaf, last) = (self.maps.get(index)?, self.tree.leaves().get(index)?, self.last.as_ref()?);
+        let Assignment { place, rotation } = leaf.assignment;
+        let robot = DstateId { place, slot: turned(last.arrival, rotation, map.star(place).size()) };
+        Some(Candidate { map: Arc::clone(map), visits: self.tree.assignments(index), robot })
+    }
+
+    /// All candidates, in the order of their assignments.
+    pub fn candidates(&self) -> impl Iterator<Item = Candidate> {
+        (0..self.len()).filter_map(|index| self.candidate(index))
+    }
+
+    /// The positions of the simplest candidates, all that are equally simple.
+    pub fn minimal(&self) -> Vec<usize> {
+        let simplicity = |index: &usize| Simplicity::of(&self.maps[*index]);
+        let Some(least) = (0..self.len()).map(|index| simplicity(&index)).min() else { return Vec::new() };
+        (0..self.len()).filter(|index| simplicity(index) == least).collect()
+    }
+
+    /// What is found so far. Linear in candidates and observations.
+    pub fn report(&self) -> Report {
+        let exact_at = |observation: usize| self.first_cut.is_none_or(|cut| observation < cut);
+        let complete = self.first_cut.is_none();
+        let minimal: Vec<Candidate> =
+            self.minimal().into_iter().filter_map(|index| self.candidate(index)).collect();
+        let widths = self.tree.widths().enumerate();
+        Report {
+            candidates: Count::new(self.len() as u64, complete),
+            candidates_per_observation: widths
+                .map(|(observation, width)| Count::new(width as u64, exact_at(observation)))
+                .collect(),
+            maps_created: Count::new(self.maps_created, complete),
+            refuted: self.refuted.iter().copied().sum(),
+            refuted_per_observation: self.refuted.clone(),
+            simplicity: minimal.first().map(Candidate::simplicity),
+            unique: complete && minimal.len() == 1,
+            minimal,
+            proven: complete,
+            complete,
+            stop_reason: self.stop_reason(),
+            extinction: self.extinction(),
+        }
+    }
+
+    fn extend(&mut self, seen: &Seen) {
+        let mut extension =
+            Extension { seen, axioms: self.axioms, refuted: Refutations::default(), children: Vec::new() };
+        for (parent, (map, leaf)) in (0..).zip(self.maps.iter().zip(self.tree.leaves())) {
+            extension.extend(parent, map, leaf.assignment);
+        }
+        self.keep(extension.children, extension.refuted);
+    }
+
+    fn keep(&mut self, mut children: Vec<(u32, Child)>, refuted: Refutations) {
+        self.maps_created += children.iter().filter(|(_, child)| child.made).count() as u64;
+        if let Some(limit) = self.limits.max_candidates
+            && children.len() > limit
+        {
+            cut(&mut children, limit);
+            self.first_cut = self.first_cut.or(Some(self.tree.depth()));
+        }
+        let node = |(parent, child): &(u32, Child)| Node { parent: *parent, assignment: child.assignment };
+        self.tree.push(children.iter().map(node).collect());
+        self.maps = Arc::new(children.into_iter().map(|(_, child)| child.map).collect());
+        self.refuted.push(refuted);
+    }
+
+    fn stop_reason(&self) -> StopReason {
+        match (self.first_cut, self.extinction()) {
+            (Some(observation), _) => StopReason::CandidateLimit { observation },
+            (None, Some(Extinction { observation, .. })) => StopReason::Inconsistent { observation },
+            (None, None) => StopReason::Exhausted,
+        }
+    }
+
+    fn extinction(&self) -> Option<Extinction> {
+        let observation = self.tree.widths().position(|width| width == 0)?;
+        let axioms = self.refuted[observation].iter().map(|(id, _)| id).collect();
+        Some(Extinction { observation, axioms })
+    }
+}
+
+/// Keeps the simplest, and of equally simple ones the first, in their order.
+fn cut(children: &mut Vec<(u32, Child)>, limit: usize) {
+    let mut ranked: Vec<(Simplicity, usize)> =
+        children.iter().enumerate().map(|(index, (_, child))| (Simplicity::of(&child.map), index)).collect();
+    ranked.sort_unstable();
+    let mut keep = vec![false; children.len()];
+    ranked[..limit].iter().for_each(|&(_, index)| keep[index] = true);
+    let mut keep = keep.into_iter();
+    children.retain(|_| keep.next().unwrap_or(false));
+}

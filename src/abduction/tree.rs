@@ -1,0 +1,53 @@
+//! Where candidates come from: the assignments of all candidates, as a tree.
+
+use crate::abduction::Assignment;
+use std::sync::Arc;
+
+/// One layer of nodes for each observation, each node with its parent in the layer before. Nodes without
+/// descendants in the last layer stay: they are the candidates that were refuted or cut. Eight bytes a node; a clone
+/// shares all layers.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Tree {
+    layers: Vec<Arc<[Node]>>,
+}
+
+/// What a candidate takes an observation for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Node {
+    pub(super) parent: u32,
+    pub(super) assignment: Assignment,
+}
+
+impl Tree {
+    /// The number of observations.
+    pub(super) fn depth(&self) -> usize {
+        self.layers.len()
+    }
+
+    /// The nodes of the last observation.
+    pub(super) fn leaves(&self) -> &[Node] {
+        self.layers.last().map_or(&[], |layer| layer)
+    }
+
+    /// The number of nodes of each observation.
+    pub(super) fn widths(&self) -> impl ExactSizeIterator<Item = usize> {
+        self.layers.iter().map(|layer| layer.len())
+    }
+
+    /// Adds the nodes of one more observation.
+    pub(super) fn push(&mut self, layer: Vec<Node>) {
+        self.layers.push(layer.into());
+    }
+
+    /// The assignments on the way to a leaf, first observation first.
+    pub(super) fn assignments(&self, leaf: usize) -> Vec<Assignment> {
+        let mut assignments = Vec::with_capacity(self.layers.len());
+        let mut index = leaf;
+        for layer in self.layers.iter().rev() {
+            assignments.push(layer[index].assignment);
+            index = layer[index].parent as usize;
+        }
+        assignments.reverse();
+        assignments
+    }
+}

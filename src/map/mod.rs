@@ -1,0 +1,22 @@
+//! The topological map: places with their stars, joined by path segments into paths (seed, sections 3.1 and 4.3).
+//!
+//! A map is a *rotation system*: every place lists its directed paths clockwise, and a path segment joins two
+//! outward gateways. Places, path segments, paths and distinctive states all follow from these two facts. Maps
+//! are immutable values; an extension is a new map. Symbols only: no metres, no views, no history.
+
+mod canonical;
+mod id;
+mod path;
+mod place_set;
+mod star_table;
+mod topological;
+mod trail;
+
+pub use canonical::CanonicalMap;
+pub use id::{DstateId, PathId, PlaceId, SegmentId};
+pub use path::{BoundSlot, DirectedPath, Paths, Stop, TopoPath};
+pub use topological::{MapError, Segment, TopologicalMap};
+
+pub(crate) use place_set::PlaceSet;
+pub(crate) use star_table::{InternedStar, StarId, StarTable};
+pub(crate) use trail::{Face, path_from_end};
