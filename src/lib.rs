@@ -11,3 +11,6 @@ pub mod grid;
 pub mod lpm;
 pub mod gateway;
 pub mod star;
+#[path = "../worlds/mod.rs"]
+pub mod worlds;
+pub mod export;
