@@ -16,3 +16,4 @@ pub mod trace;
 pub mod worlds;
 pub mod map;
 pub mod abduction;
+pub mod export;

@@ -6,6 +6,7 @@
 
 mod format;
 mod random;
+pub mod drawing;
 pub mod loader;
 pub mod simulator;
 pub mod world;

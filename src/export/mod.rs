@@ -1,0 +1,5 @@
+//! Foreign formats out.
+
+pub mod extraction_svg;
+
+pub use extraction_svg::extraction_svg;
