@@ -13,6 +13,8 @@ pub mod lpm;
 pub mod gateway;
 pub mod star;
 pub mod trace;
+#[path = "../worlds/mod.rs"]
+pub mod worlds;
 pub mod map;
 pub mod abduction;
 pub mod export;

@@ -1,10 +1,12 @@
-//! What leaves the process: the wire types of reports and maps.
+//! What leaves the process: the wire types of reports and maps, and pictures.
 //!
 //! [`Report`] is the one object that `topostar map --json` prints and the service answers from; [`MapGraph`] is a
 //! candidate's map as JSON. Both are made from plain values of `abduction` and `map` and hold nothing else.
 
 mod graph;
 mod report;
+pub mod extraction_svg;
 
+pub use extraction_svg::extraction_svg;
 pub use graph::{GraphDstate, GraphGateway, GraphPath, GraphPlace, GraphSegment, MapGraph};
 pub use report::{Count, Extinction, Preferred, Relation, Report, StopReason, Strategy, profile_name};

@@ -2,14 +2,22 @@
 //!
 //! A gateway's direction is outward, always; what faces inward is its opposite.
 
-use crate::geometry::Point;
+mod constriction;
+mod detection;
+mod place;
+mod way;
+
+pub use detection::{Neighborhood, find_gateways};
+
+use crate::geometry::{Point, Vector, direction};
 
 /// A constriction of free space between a place and what lies beyond.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gateway {
     /// The point of the skeleton at which the constriction was found, LPM frame.
     pub center: Point,
-    /// The obstacle points at its left and right end, facing outward, LPM frame.
+    /// The obstacle points at its left and right end, facing outward, LPM frame. Where a coast has no obstacle on
+    /// one side, that end lies at the comfort distance.
     pub ends: [Point; 2],
     /// Outward direction, radians, LPM frame.
     pub bearing: f64,
@@ -17,4 +25,58 @@ pub struct Gateway {
     pub width: f64,
     /// How far the gateway is from not being one, as a fraction of the deciding threshold.
     pub margin: f64,
+    /// The way out from the gateway's centre along the skeleton, LPM frame.
+    pub beyond: Vec<Beyond>,
+}
+
+/// A point of the way out beyond a gateway and which walls are close enough to follow there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Beyond {
+    /// The point, LPM frame.
+    pub at: Point,
+    /// Whether a wall on the left is as near as the nearest obstacle, within the comfort distance.
+    pub left: bool,
+    /// Whether a wall on the right is as near as the nearest obstacle, within the comfort distance.
+    pub right: bool,
+    /// Distance to the nearest obstacle, metres.
+    pub clearance: f64,
+}
+
+impl Gateway {
+    /// The unit vector that points outward.
+    pub fn outward(&self) -> Vector {
+        direction(self.bearing)
+    }
+}
+
+/// What makes a place and a gateway, metres. One set of defaults serves all grids.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GatewayParameters {
+    /// How much a way must narrow for a constriction; never less than one cell counts. Default 0.08.
+    pub constriction_depth: f64,
+    /// The least distance over which a way must stay as narrow as at the gateway; scaled up with the width by
+    /// 0.6 of the clearance. Default 1.
+    pub look_ahead: f64,
+    /// Over which length beyond a gateway its direction is measured. Default 2.
+    pub direction_length: f64,
+    /// How far the robot may be from the circle of clearance of the place it stands in. Default 2.
+    pub place_reach: f64,
+    /// How far a way between two exits must swing out from their chord to be a bend, a place. Default 1.2.
+    pub bend: f64,
+    /// Where a way does not narrow at all, its gateway lies this far outside the circle of clearance of the place.
+    /// Default 1.
+    pub cap: f64,
+}
+
+impl Default for GatewayParameters {
+    fn default() -> Self {
+        GatewayParameters {
+            constriction_depth: 0.08,
+            look_ahead: 1.0,
+            direction_length: 2.0,
+            place_reach: 2.0,
+            bend: 1.2,
+            cap: 1.0,
+        }
+    }
 }

@@ -9,6 +9,10 @@ use thiserror::Error;
 /// The most cells a side of a grid may have, so that indices and memory stay bounded.
 pub const MAX_SIDE: usize = 8192;
 
+// Those that share a side come first.
+const NEIGHBORS: [(isize, isize); 8] =
+    [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)];
+
 /// What is known of one cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
@@ -89,6 +93,11 @@ impl OccupancyGrid {
         Ok(OccupancyGrid { info, cells })
     }
 
+    /// Whether a grid of this size, scale and place can be made.
+    pub fn check(info: &GridInfo) -> Result<(), GridError> {
+        check(info, info.width.saturating_mul(info.height))
+    }
+
     /// A grid from ROS occupancy values: below 0 and above 100 unknown, up to 19 free, from 65 occupied,
     /// unknown between (the thresholds of `map_server`).
     pub fn from_occupancy(info: GridInfo, values: &[i8]) -> Result<Self, GridError> {
@@ -108,6 +117,12 @@ impl OccupancyGrid {
             Cell::Occupied => 100,
         };
         self.cells.iter().map(value).collect()
+    }
+
+    /// The same grid with other cells. There must be as many as before.
+    pub(super) fn with_cells(&self, cells: Vec<Cell>) -> Self {
+        debug_assert_eq!(cells.len(), self.cells.len());
+        OccupancyGrid { info: self.info, cells }
     }
 
     /// Size, scale and place.
@@ -131,6 +146,29 @@ impl OccupancyGrid {
 }
 
 impl GridInfo {
+    /// The position of a cell of the grid in row-major order. The cell must be inside.
+    pub fn offset(&self, index: CellIndex) -> usize {
+        index.y * self.width + index.x
+    }
+
+    /// The cell at a row-major position, the inverse of [`GridInfo::offset`].
+    pub fn index(&self, offset: usize) -> CellIndex {
+        CellIndex { x: offset % self.width, y: offset / self.width }
+    }
+
+    /// The cell so many columns and rows away, if it is inside the grid.
+    pub fn shifted(&self, index: CellIndex, dx: isize, dy: isize) -> Option<CellIndex> {
+        let (x, y) = (index.x.checked_add_signed(dx)?, index.y.checked_add_signed(dy)?);
+        (x < self.width && y < self.height).then_some(CellIndex { x, y })
+    }
+
+    /// The cells inside the grid that share a side (and, for `diagonal`, a corner) with a cell.
+    pub fn neighbors(&self, index: CellIndex, diagonal: bool) -> impl Iterator<Item = CellIndex> + use<> {
+        let info = *self;
+        let count = if diagonal { 8 } else { 4 };
+        NEIGHBORS[..count].iter().filter_map(move |&(dx, dy)| info.shifted(index, dx, dy))
+    }
+
     /// The point at the centre of a cell, in the frame of the grid.
     pub fn center(&self, index: CellIndex) -> Point {
         let local =

@@ -4,9 +4,16 @@
 //! path fragments of one LPM and may carry bearings and widths; the large-scale star keeps only what the logic
 //! compares: order, pairing, control laws and which slots can be travelled.
 
-mod large_scale;
 mod small_scale;
+mod large_scale;
+mod fragments;
+mod projection;
+mod control;
+mod assembly;
+mod description;
 
+pub use description::{DescribeError, FragmentTrace, PerceptionParameters, PlaceDescription, describe};
+pub use fragments::FragmentParameters;
 pub use large_scale::{LargeScaleStar, LargeSlot};
 pub use small_scale::{
     ControlLaw, Direction, FragmentId, GatewayId, MAX_SLOTS, Slot, SlotIndex, SmallScaleStar, StarError,

@@ -2,12 +2,13 @@
 //!
 //! A trace is append-only. Its events count up from 0 without gaps; an observation is followed by any number of
 //! turns and one travel, which ends at the next observation; a trace may stop anywhere. [`event`] holds the
-//! values, [`wire`] their JSON form, [`ndjson`] reads and writes lines, and [`experience`] checks the grammar
+//! values, [`wire`] their JSON form, [`ndjson`] reads and writes lines, [`recording`] cuts a log into a trace, and [`experience`] checks the grammar
 //! and turns grids into stars, so that what leaves this module is what the logic needs.
 
 pub mod event;
 pub mod experience;
 pub mod ndjson;
+pub mod recording;
 pub mod wire;
 pub mod wire_grid;
 

@@ -1,2 +1,107 @@
-//! Helper tasks.
-fn main() {}
+//! Helper tasks: `cargo xtask test` is everything that has to pass before a change lands.
+
+use std::process::{Command, ExitCode};
+
+struct Step {
+    what: &'static str,
+    arguments: &'static [&'static str],
+    /// Environment of the step.
+    environment: &'static [(&'static str, &'static str)],
+    /// The component of the toolchain it needs beyond cargo itself.
+    component: Option<&'static str>,
+}
+
+const TEST: &[Step] = &[
+    Step {
+        what: "format",
+        arguments: &["fmt", "--all", "--check"],
+        environment: &[],
+        component: Some("rustfmt"),
+    },
+    Step {
+        what: "lints, warnings denied",
+        arguments: &["clippy", "--workspace", "--all-targets", "--locked", "--", "-D", "warnings"],
+        environment: &[],
+        component: Some("clippy"),
+    },
+    Step {
+        what: "tests, golden files included",
+        arguments: &["test", "--workspace", "--locked"],
+        environment: &[],
+        component: None,
+    },
+    Step {
+        what: "documentation, warnings denied",
+        arguments: &["doc", "--workspace", "--no-deps", "--locked", "--document-private-items"],
+        environment: &[("RUSTDOCFLAGS", "-D warnings")],
+        component: None,
+    },
+];
+
+const HELP: &str = "\
+usage: cargo xtask <task>
+
+  test     format check, lints, all tests, documentation, golden files up to date
+  golden   write the golden files anew (api/openapi.json); look at the difference before committing";
+
+fn main() -> ExitCode {
+    let tasks: Vec<String> = std::env::args().skip(1).collect();
+    match tasks.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["test"] => run_all(TEST),
+        ["golden"] => run_all(&[Step {
+            what: "golden files",
+            arguments: &["test", "--locked", "--test", "suite", "golden"],
+            environment: &[("UPDATE_GOLDEN", "1")],
+            component: None,
+        }]),
+        ["help" | "--help" | "-h"] => {
+            println!("{HELP}");
+            ExitCode::SUCCESS
+        }
+        _ => {
+            eprintln!("{HELP}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run_all(steps: &[Step]) -> ExitCode {
+    for (k, step) in steps.iter().enumerate() {
+        println!("\n[{}/{}] {}", k + 1, steps.len(), step.what);
+        if let Err(why) = step.run() {
+            eprintln!("\nfailed: {}: {why}", step.what);
+            return ExitCode::FAILURE;
+        }
+    }
+    println!("\nall {} steps passed", steps.len());
+    ExitCode::SUCCESS
+}
+
+impl Step {
+    fn run(&self) -> Result<(), String> {
+        self.install_component()?;
+        let mut command = cargo();
+        command.args(self.arguments).envs(self.environment.iter().copied());
+        println!("$ cargo {}", self.arguments.join(" "));
+        let status = command.status().map_err(|e| format!("cargo cannot be started: {e}"))?;
+        if status.success() { Ok(()) } else { Err(format!("cargo {} ended with {status}", self.arguments[0])) }
+    }
+
+    fn install_component(&self) -> Result<(), String> {
+        let Some(component) = self.component else { return Ok(()) };
+        let present = cargo().args([self.arguments[0], "--version"]).output();
+        if present.is_ok_and(|output| output.status.success()) {
+            return Ok(());
+        }
+        println!("{component} is missing, installing it");
+        let added = Command::new("rustup").args(["component", "add", component]).status();
+        if added.is_ok_and(|status| status.success()) {
+            return Ok(());
+        }
+        Err(format!("{component} is missing and rustup could not add it; install it by `rustup component add {component}`"))
+    }
+}
+
+fn cargo() -> Command {
+    Command::new(std::env::var("CARGO").unwrap_or_else(|_| "cargo".into()))
+}

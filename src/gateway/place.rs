@@ -1,0 +1,101 @@
+//! The middle of the place in which the robot stands.
+
+use crate::gateway::GatewayParameters;
+use crate::gateway::way::Way;
+use crate::geometry::Point;
+use crate::grid::{CellIndex, DistanceField, NodeKind, SkeletonGraph};
+use petgraph::graph::NodeIndex;
+
+/// How much of a way on either side of the robot decides whether it bends, metres.
+const BEND_SIGHT: f64 = 6.0;
+
+/// The middle of the place: the junction whose circle of clearance holds the robot or is nearest to it, with the
+/// greatest clearance among such; without one in reach, the widest point of a bend, or of the way beside the robot.
+pub(super) fn place_center(
+    graph: &mut SkeletonGraph,
+    distance: &DistanceField,
+    robot: &Point,
+    parameters: &GatewayParameters,
+) -> Option<NodeIndex> {
+    if let Some(node) = junction(graph, distance, robot, parameters) {
+        return Some(climb(graph, distance, node));
+    }
+    let cell = on_way(graph, distance, robot, parameters)?;
+    graph.ensure_node(cell, distance)
+}
+
+/// Distance from the robot to the circle of clearance around a cell; 0 inside.
+fn gap(distance: &DistanceField, cell: CellIndex, robot: &Point) -> f64 {
+    ((distance.info().center(cell) - robot).norm() - distance.clearance(cell)).max(0.0)
+}
+
+fn junction(
+    graph: &SkeletonGraph,
+    distance: &DistanceField,
+    robot: &Point,
+    parameters: &GatewayParameters,
+) -> Option<NodeIndex> {
+    let place = |kind: NodeKind| matches!(kind, NodeKind::Junction | NodeKind::DeadEnd);
+    let nodes = graph.graph.node_indices().filter(|&n| place(graph.graph[n].kind));
+    let near = nodes.map(|n| (gap(distance, graph.graph[n].cell, robot), graph.graph[n].clearance, n));
+    let near = near.filter(|&(gap, ..)| gap <= parameters.place_reach);
+    near.min_by(|a, b| a.0.total_cmp(&b.0).then(b.1.total_cmp(&a.1))).map(|(_, _, n)| n)
+}
+
+/// The widest of the junctions that lie in one another's circles of clearance: they are one place.
+fn climb(graph: &SkeletonGraph, distance: &DistanceField, start: NodeIndex) -> NodeIndex {
+    let info = distance.info();
+    let mut best = start;
+    loop {
+        let (here, radius) = (info.center(graph.graph[best].cell), graph.graph[best].clearance);
+        let better = graph.graph.node_indices().filter(|&n| {
+            let node = &graph.graph[n];
+            let inside = (info.center(node.cell) - here).norm() < radius;
+            node.kind == NodeKind::Junction && node.clearance > radius && inside
+        });
+        match better.max_by(|&a, &b| graph.graph[a].clearance.total_cmp(&graph.graph[b].clearance)) {
+            Some(next) => best = next,
+            None => return best,
+        }
+    }
+}
+
+/// The middle of the place on a way without junctions.
+fn on_way(
+    graph: &SkeletonGraph,
+    distance: &DistanceField,
+    robot: &Point,
+    parameters: &GatewayParameters,
+) -> Option<CellIndex> {
+    let away = |cell: CellIndex| (distance.info().center(cell) - robot).norm();
+    let nearest = |cells: &[CellIndex]| cells.iter().map(|&c| away(c)).fold(f64::INFINITY, f64::min);
+    let edges = graph.graph.edge_weights();
+    let edge = edges.min_by(|a, b| nearest(&a.cells).total_cmp(&nearest(&b.cells)))?;
+    let way = Way::new(edge.cells.clone(), distance);
+    let beside = (0..way.cells.len()).min_by(|&a, &b| away(way.cells[a]).total_cmp(&away(way.cells[b])))?;
+    let bend = bend(&way, beside, parameters);
+    let reached = bend.filter(|&at| gap(distance, way.cells[at], robot) <= parameters.place_reach);
+    let (middle, reach) = match reached {
+        Some(at) => (at, 1.0),
+        None => (beside, parameters.place_reach),
+    };
+    widest_near(&way, middle, reach, distance.info().resolution).map(|at| way.cells[at])
+}
+
+/// The point of a way that swings out furthest from the chord of the stretch in sight, if it is a bend.
+fn bend(way: &Way, beside: usize, parameters: &GatewayParameters) -> Option<usize> {
+    let first = way.arc.partition_point(|&s| s < way.arc[beside] - BEND_SIGHT);
+    let last = way.ahead(beside, BEND_SIGHT);
+    let chord = (way.points[last] - way.points[first]).try_normalize(0.0)?;
+    let swing = |i: usize| chord.perp(&(way.points[i] - way.points[first])).abs();
+    let furthest = (first..=last).max_by(|&a, &b| swing(a).total_cmp(&swing(b)))?;
+    (swing(furthest) >= parameters.bend).then_some(furthest)
+}
+
+/// The widest point within `reach` of `middle` along the way; of those within a cell of the widest, the nearest.
+fn widest_near(way: &Way, middle: usize, reach: f64, resolution: f64) -> Option<usize> {
+    let first = way.arc.partition_point(|&s| s < way.arc[middle] - reach);
+    let near = first..=way.ahead(middle, reach);
+    let most = near.clone().map(|i| way.clearance[i]).fold(0.0, f64::max);
+    near.filter(|&i| way.clearance[i] >= most - resolution).min_by_key(|&i| i.abs_diff(middle))
+}

@@ -1,0 +1,230 @@
+//! The Voronoi skeleton of the free space around the robot, reduced to the ways out of the window.
+//!
+//! It is an extended Voronoi graph: where an expanse wider than the comfort distance leaves the window, the
+//! skeleton keeps to the coast of that expanse, the locus at the comfort distance from its wall. An expanse that
+//! lies wholly in the window is crossed like any room: it is part of a place. Nothing has to be pruned, since
+//! thinning keeps only what joins the exits.
+
+use crate::geometry::Point;
+use crate::grid::thinning::thin;
+use crate::grid::{Cell, CellIndex, DistanceField, GridInfo, OccupancyGrid};
+use std::collections::VecDeque;
+use thiserror::Error;
+
+/// Physical limits of the robot that shape the skeleton, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SkeletonParameters {
+    /// The farthest a wall may be for the robot to follow it (the D of the extended Voronoi graph). Default 2.5.
+    pub comfort_distance: f64,
+    /// The narrowest way that counts as one: between an office door (0.9) and a corridor. Default 1.1.
+    pub passage_width: f64,
+    /// Radius of the window around the robot in which free space has been settled; the window also ends with the
+    /// grid. Default 10.
+    pub scope: f64,
+}
+
+impl Default for SkeletonParameters {
+    fn default() -> Self {
+        SkeletonParameters { comfort_distance: 2.5, passage_width: 1.1, scope: 10.0 }
+    }
+}
+
+/// The cells of the skeleton and where it ends.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Skeleton {
+    /// The cells in row-major order.
+    pub cells: Vec<CellIndex>,
+    /// Where ways leave the window, one cell each; part of `cells`.
+    pub exits: Vec<CellIndex>,
+    /// Where the only way ends, if there is only one; part of `cells`.
+    pub dead_end: Option<CellIndex>,
+}
+
+/// Why there is no skeleton.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum SkeletonError {
+    /// The robot's position is not in the grid.
+    #[error("the robot is outside the grid, expected its position on a cell")]
+    OutsideGrid,
+    /// No free space that the robot fits into can be reached from where it stands.
+    #[error("no free space as wide as the passage width can be reached from the robot's position")]
+    NoFreeSpace,
+    /// Free space does not lead out of the window.
+    #[error("no way as wide as the passage width leads out of the window")]
+    NoWayOut,
+}
+
+/// The skeleton of the free space that the robot can reach from `robot`, a point of the grid's frame.
+pub fn skeletonize(
+    grid: &OccupancyGrid,
+    distance: &DistanceField,
+    robot: &Point,
+    parameters: &SkeletonParameters,
+) -> Result<Skeleton, SkeletonError> {
+    let info = grid.info();
+    let start = info.cell_at(robot).ok_or(SkeletonError::OutsideGrid)?;
+    let window = Window::new(info, start, parameters.scope);
+    let mut core = Core::new(distance, &window, parameters);
+    core.remove_open_expanses(&window, parameters.comfort_distance);
+    let gate = nearest_core_cell(grid, start, &core, parameters).ok_or(SkeletonError::NoFreeSpace)?;
+    let members = flood(info, gate, true, |i| core.inside[i]);
+    let exits = exits(&members, &window, &core);
+    let dead_end = match exits[..] {
+        [] => return Err(SkeletonError::NoWayOut),
+        [exit] => dead_end(exit, &core).filter(|&end| end != exit),
+        _ => None,
+    };
+    let mut anchors = exits.clone();
+    anchors.extend(dead_end);
+    let rank = |i: usize| distance.squared()[i] as u32;
+    let cells = thin(info.width, info.height, &members, rank, &anchors);
+    let index = |&i: &usize| info.index(i);
+    Ok(Skeleton {
+        cells: cells.iter().map(index).collect(),
+        exits: exits.iter().map(index).collect(),
+        dead_end: dead_end.map(|i| info.index(i)),
+    })
+}
+
+/// The part of the grid in which free space counts as settled.
+struct Window<'a> {
+    info: &'a GridInfo,
+    center: CellIndex,
+    squared_radius: f64,
+}
+
+impl<'a> Window<'a> {
+    fn new(info: &'a GridInfo, center: CellIndex, scope: f64) -> Self {
+        Window { info, center, squared_radius: (scope / info.resolution).powi(2) }
+    }
+
+    fn contains(&self, at: CellIndex) -> bool {
+        let (dx, dy) = (at.x as f64 - self.center.x as f64, at.y as f64 - self.center.y as f64);
+        dx * dx + dy * dy <= self.squared_radius
+    }
+
+    /// Whether a cell of the window has a side to what is not in the window.
+    fn on_rim(&self, at: CellIndex) -> bool {
+        let sides = [(1, 0), (0, 1), (-1, 0), (0, -1)];
+        sides.iter().any(|&(dx, dy)| self.info.shifted(at, dx, dy).is_none_or(|next| !self.contains(next)))
+    }
+}
+
+/// The cells of the window where the robot's passage width fits.
+struct Core<'a> {
+    info: &'a GridInfo,
+    squared: &'a [f64],
+    inside: Vec<bool>,
+}
+
+impl<'a> Core<'a> {
+    fn new(distance: &'a DistanceField, window: &Window, parameters: &SkeletonParameters) -> Self {
+        let (info, squared) = (distance.info(), distance.squared());
+        // A strip of clear width w has its obstacle cells, centre to centre, w plus one cell apart.
+        let least = ((parameters.passage_width / info.resolution + 1.0) / 2.0).powi(2);
+        let fits = |i: usize| squared[i] >= least && window.contains(info.index(i));
+        Core { info, squared, inside: (0..squared.len()).map(fits).collect() }
+    }
+
+    /// Takes out the cells beyond the comfort distance wherever they reach the rim of the window.
+    fn remove_open_expanses(&mut self, window: &Window, comfort_distance: f64) {
+        let most = (comfort_distance / self.info.resolution).powi(2);
+        for i in 0..self.inside.len() {
+            let wide = |core: &Core, i: usize| core.inside[i] && core.squared[i] > most;
+            if wide(self, i) && window.on_rim(self.info.index(i)) {
+                for cell in flood(self.info, i, true, |j| wide(self, j)) {
+                    self.inside[cell] = false;
+                }
+            }
+        }
+    }
+}
+
+/// Cells connected to `start` in the order of their distance from it in steps.
+fn flood(info: &GridInfo, start: usize, diagonal: bool, inside: impl Fn(usize) -> bool) -> Vec<usize> {
+    let mut seen = vec![false; info.width * info.height];
+    seen[start] = true;
+    let mut cells = vec![start];
+    let mut next = 0;
+    while next < cells.len() {
+        for neighbor in info.neighbors(info.index(cells[next]), diagonal) {
+            let i = info.offset(neighbor);
+            if !seen[i] && inside(i) {
+                seen[i] = true;
+                cells.push(i);
+            }
+        }
+        next += 1;
+    }
+    cells
+}
+
+/// The core cell nearest to the robot on a way through free cells. A robot whose own cell is not free may first
+/// step out of the obstacle, no further than the passage width.
+fn nearest_core_cell(
+    grid: &OccupancyGrid,
+    start: CellIndex,
+    core: &Core,
+    parameters: &SkeletonParameters,
+) -> Option<usize> {
+    let info = grid.info();
+    let stuck = grid.cell(start) != Cell::Free;
+    let step_out = Window::new(info, start, parameters.passage_width);
+    let passable = |at: CellIndex| grid.cell(at) == Cell::Free || (stuck && step_out.contains(at));
+    let mut seen = vec![false; core.inside.len()];
+    let mut queue = VecDeque::from([start]);
+    seen[info.offset(start)] = true;
+    while let Some(at) = queue.pop_front() {
+        if core.inside[info.offset(at)] {
+            return Some(info.offset(at));
+        }
+        for next in info.neighbors(at, false) {
+            if passable(next) && !std::mem::replace(&mut seen[info.offset(next)], true) {
+                queue.push_back(next);
+            }
+        }
+    }
+    None
+}
+
+/// For every stretch of rim that the members reach, its cell of greatest clearance; ascending.
+fn exits(members: &[usize], window: &Window, core: &Core) -> Vec<usize> {
+    let info = window.info;
+    let mut rim = vec![false; core.inside.len()];
+    let mut starts: Vec<usize> = members.iter().copied().filter(|&i| window.on_rim(info.index(i))).collect();
+    starts.iter().for_each(|&i| rim[i] = true);
+    starts.sort_unstable();
+    let mut exits = Vec::new();
+    for start in starts {
+        if !rim[start] {
+            continue;
+        }
+        let stretch = flood(info, start, true, |i| rim[i]);
+        stretch.iter().for_each(|&i| rim[i] = false);
+        exits.extend(widest(&stretch, core));
+    }
+    exits.sort_unstable();
+    exits
+}
+
+/// The cell of greatest clearance; of several, the middle one in the order given.
+fn widest(cells: &[usize], core: &Core) -> Option<usize> {
+    let most = cells.iter().map(|&i| core.squared[i]).fold(0.0, f64::max);
+    let mut best: Vec<usize> = cells.iter().copied().filter(|&i| core.squared[i] == most).collect();
+    best.sort_unstable();
+    best.get(best.len() / 2).copied()
+}
+
+/// The end of the way that begins at the only exit: the ridge above the farthest cell.
+fn dead_end(exit: usize, core: &Core) -> Option<usize> {
+    let mut end = *flood(core.info, exit, true, |i| core.inside[i]).last()?;
+    loop {
+        let around = core.info.neighbors(core.info.index(end), true).map(|at| core.info.offset(at));
+        let inside = around.filter(|&i| core.inside[i]);
+        let steepest = inside.max_by(|&a, &b| core.squared[a].total_cmp(&core.squared[b]).then(b.cmp(&a)));
+        match steepest {
+            Some(next) if core.squared[next] > core.squared[end] => end = next,
+            _ => return Some(end),
+        }
+    }
+}

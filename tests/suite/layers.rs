@@ -1,0 +1,173 @@
+//! The import matrix: which module may import from which, proven over the text of `src`.
+//!
+//! Data flows one way. A `crate::` path must name a module above its own in `lib.rs`; the logic knows no
+//! floats, and the core no wire types, clocks, files or global state.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Each module with the modules that it may import from, in the order of `lib.rs`.
+const MATRIX: &[(&str, &[&str])] = &[
+    ("geometry", &[]),
+    ("grid", &["geometry"]),
+    ("sensor", &["geometry", "grid"]),
+    ("lpm", &["geometry", "grid"]),
+    ("gateway", &["geometry", "grid", "lpm"]),
+    ("star", &["geometry", "grid", "lpm", "gateway"]),
+    ("trace", &["geometry", "grid", "sensor", "lpm", "gateway", "star"]),
+    ("worlds", &["geometry", "grid", "lpm", "star", "trace"]),
+    ("map", &["star"]),
+    ("abduction", &["star", "map"]),
+    ("export", &["geometry", "grid", "lpm", "gateway", "star", "trace", "worlds", "map", "abduction"]),
+    ("service", &["geometry", "grid", "lpm", "gateway", "star", "trace", "map", "abduction", "export"]),
+    (
+        "cli",
+        &[
+            "geometry", "grid", "sensor", "lpm", "gateway", "star", "trace", "worlds", "map", "abduction", "export",
+            "service",
+        ],
+    ),
+];
+
+/// Modules that know neither wire types, nor clocks, files, environment or global state.
+const CORE: &[&str] = &["geometry", "grid", "lpm", "gateway", "star", "map", "abduction"];
+const NOT_IN_CORE: &[&str] =
+    &["serde", "utoipa", "tokio", "axum", "std::fs", "std::env", "std::time", "std::net", "static ", "thread_local"];
+
+/// Modules in which metres have no place.
+const SYMBOLS_ONLY: &[&str] = &["map", "abduction"];
+const NOT_IN_SYMBOLS: &[&str] = &["f64", "f32", "nalgebra", "parry"];
+
+#[test]
+fn modules_stand_in_the_order_of_the_data_flow() {
+    let text = fs::read_to_string(root().join("src/lib.rs")).unwrap();
+    let declared: Vec<&str> =
+        text.lines().filter_map(|l| l.strip_prefix("pub mod ")).filter_map(|l| l.strip_suffix(';')).collect();
+    let expected: Vec<&str> = MATRIX.iter().map(|(name, _)| *name).collect();
+    assert_eq!(declared, expected);
+}
+
+#[test]
+fn every_import_goes_upstream() {
+    let faults: Vec<String> = sources().iter().flat_map(|(file, (module, code))| faults(file, module, code)).collect();
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn every_file_says_what_it_is() {
+    for (file, (_, text)) in sources_with_comments() {
+        assert!(text.starts_with("//!"), "{}: the first line is no module documentation", file.display());
+    }
+}
+
+#[test]
+fn planted_faults_are_found() {
+    let file = Path::new("planted.rs");
+    let planted = [
+        ("star", "use crate::map::TopologicalMap;"),
+        ("abduction", "use crate::{star::Slot, geometry::Pose};"),
+        ("abduction", "let x: f64 = 1.0;"),
+        ("star", "use super::super::trace;"),
+        ("map", "use serde::Serialize;"),
+        ("grid", "let now = std::time::Instant::now();"),
+    ];
+    for (module, code) in planted {
+        assert!(!faults(file, module, code).is_empty(), "not found in {module}: {code}");
+    }
+    assert!(faults(file, "abduction", "use crate::{map::TopologicalMap, star::{SlotIndex}};").is_empty());
+}
+
+fn faults(file: &Path, module: &str, code: &str) -> Vec<String> {
+    let allowed = MATRIX.iter().find(|(name, _)| *name == module).map_or(&[][..], |(_, allowed)| *allowed);
+    let imports = imported_modules(code).into_iter().filter(|import| import != module && !allowed.contains(&import.as_str()));
+    let mut found: Vec<String> = imports.map(|import| format!("imports {import}")).collect();
+    if code.contains("super::super") {
+        found.push("climbs out of its module by super::super".into());
+    }
+    let mut forbid = |modules: &[&str], words: &[&str]| {
+        let here = if modules.contains(&module) { words } else { &[] };
+        found.extend(here.iter().filter(|word| code.contains(**word)).map(|word| format!("holds `{word}`")));
+    };
+    forbid(CORE, NOT_IN_CORE);
+    forbid(SYMBOLS_ONLY, NOT_IN_SYMBOLS);
+    found.into_iter().map(|fault| format!("{} ({module}): {fault}", file.display())).collect()
+}
+
+/// The first path segments behind `crate::`, groups opened.
+fn imported_modules(code: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for (at, _) in code.match_indices("crate::") {
+        let rest = &code[at + "crate::".len()..];
+        match rest.strip_prefix('{') {
+            Some(group) => found.extend(group_heads(group)),
+            None => found.push(identifier(rest)),
+        }
+    }
+    found
+}
+
+fn group_heads(group: &str) -> Vec<String> {
+    let (mut depth, mut heads, mut start) = (0, Vec::new(), 0);
+    for (at, c) in group.char_indices() {
+        match c {
+            '{' => depth += 1,
+            '}' if depth == 0 => {
+                heads.push(identifier(&group[start..at]));
+                break;
+            }
+            '}' => depth -= 1,
+            ',' if depth == 0 => {
+                heads.push(identifier(&group[start..at]));
+                start = at + 1;
+            }
+            _ => {}
+        }
+    }
+    heads.retain(|head| !head.is_empty());
+    heads
+}
+
+fn identifier(text: &str) -> String {
+    text.trim_start().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect()
+}
+
+/// Every source file with its module and its code, comments and unit tests taken out.
+fn sources() -> BTreeMap<PathBuf, (String, String)> {
+    let strip = |text: &str| {
+        let product = text.split("#[cfg(test)]").next().unwrap_or_default();
+        product.lines().map(|line| line.split("//").next().unwrap_or_default()).collect::<Vec<_>>().join("\n")
+    };
+    sources_with_comments().into_iter().map(|(file, (module, text))| (file, (module, strip(&text)))).collect()
+}
+
+fn sources_with_comments() -> BTreeMap<PathBuf, (String, String)> {
+    let mut files = BTreeMap::new();
+    for (folder, fixed) in [("src", None), ("worlds", Some("worlds"))] {
+        collect(&root().join(folder), &mut |file| {
+            let relative = file.strip_prefix(root().join(folder)).unwrap();
+            let head = relative.components().next().unwrap().as_os_str().to_string_lossy().into_owned();
+            let module = fixed.map_or_else(|| head.trim_end_matches(".rs").to_owned(), str::to_owned);
+            if module != "lib" && module != "main" {
+                files.insert(file.to_owned(), (module, fs::read_to_string(file).unwrap()));
+            }
+        });
+    }
+    assert!(files.len() > 20, "the sources were not found");
+    files
+}
+
+fn collect(folder: &Path, visit: &mut impl FnMut(&Path)) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            collect(&path, visit);
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            visit(&path);
+        }
+    }
+}
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}

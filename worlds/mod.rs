@@ -1,0 +1,39 @@
+//! True worlds, walks through them, and what abduction must find there.
+//!
+//! A world file holds a drawing, its places with their stars as a person gives them, a walk and the expected
+//! counts; `README.md` beside this file describes it field by field. The files are part of the library, so that
+//! tests, benches and the demo need nothing but the program.
+
+mod format;
+mod random;
+pub mod drawing;
+pub mod loader;
+pub mod simulator;
+pub mod world;
+
+pub use loader::{WorldError, load};
+pub use simulator::{StarTrace, star_trace};
+pub use world::{Exit, Expectation, Minimal, Place, PlaceSlot, SlotRef, Truth, Visit, Walk, World};
+
+/// The bundled world files, name and text.
+pub const FILES: [(&str, &str); 9] = [
+    ("office", include_str!("office.toml")),
+    ("ring3", include_str!("ring3.toml")),
+    ("ring4", include_str!("ring4.toml")),
+    ("ring4-marked", include_str!("ring4-marked.toml")),
+    ("theta", include_str!("theta.toml")),
+    ("figure-eight", include_str!("figure-eight.toml")),
+    ("nested-loops", include_str!("nested-loops.toml")),
+    ("dead-end", include_str!("dead-end.toml")),
+    ("crossing", include_str!("crossing.toml")),
+];
+
+/// The names of the bundled worlds.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    FILES.iter().map(|(name, _)| *name)
+}
+
+/// The bundled world of a name, if there is one.
+pub fn bundled(name: &str) -> Option<Result<World, WorldError>> {
+    FILES.iter().find(|(known, _)| *known == name).map(|(name, text)| load(name, text))
+}
