@@ -3,6 +3,7 @@
 mod candidates;
 mod client;
 mod events;
+mod examples;
 mod faults;
 mod hostile;
 mod maps;

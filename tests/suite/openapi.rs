@@ -10,13 +10,19 @@ fn document() -> Value {
 
 #[test]
 fn the_document_is_the_golden_one() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("api/openapi.json");
     let document = serde_json::to_string_pretty(&topostar::service::openapi()).unwrap() + "\n";
+    assert_golden("api/openapi.json", &document);
+}
+
+/// The text is that of the golden file, which `UPDATE_GOLDEN=1` rewrites.
+#[track_caller]
+pub(crate) fn assert_golden(path: &str, text: &str) {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
     if env::var_os("UPDATE_GOLDEN").is_some() {
-        fs::write(&path, &document).unwrap();
+        fs::write(&file, text).unwrap();
     }
-    let golden = fs::read_to_string(&path).unwrap();
-    assert!(golden == document, "api/openapi.json is not what the routes say; rewrite it with UPDATE_GOLDEN=1");
+    let golden = fs::read_to_string(&file).unwrap();
+    assert!(golden == text, "{path} is not what the service says; rewrite it with UPDATE_GOLDEN=1:\n{text}");
 }
 
 #[test]

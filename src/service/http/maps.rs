@@ -139,6 +139,10 @@ fn parse_config(bytes: &[u8]) -> Result<WireMapConfig, Problem> {
         Problem::new(ProblemKind::MalformedJson, format!("the configuration is not JSON: {error}"))
     };
     let value: serde_json::Value = serde_json::from_slice(bytes).map_err(not_json)?;
+    if !value.is_object() {
+        // Serde would read a list as the fields in their order.
+        return Err(malformed(EventError::new("", "a configuration is one JSON object")));
+    }
     serde_path_to_error::deserialize(value).map_err(|error| malformed(EventError::from(&error)))
 }
 
