@@ -88,7 +88,7 @@ impl Maps {
         Ok(self.reads.run(work).await?)
     }
 
-    /// While the work runs the session is out of its place, so that a panic leaves none rather than half of one.
+    /// While the work runs the session is out of its place: a panic leaves none rather than half of one.
     fn take_in_turn(
         &self,
         name: &MapName,

@@ -1,12 +1,13 @@
 //! The service: maps that grow with what robots post.
 //!
-//! What it promises. Events of a map are taken in order of `seq`, each once, and posting one again does no harm.
-//! An event is kept before it is acknowledged. What cannot be taken changes nothing; what came before it stays.
-//! The state of a map depends on its configuration and its events alone, so it is rebuilt from them by replay.
-//! Nothing grows without a bound of [`Limits`].
+//! What it promises: events of a map are taken in order of `seq`, each once, and posting one again does no
+//! harm. An event is kept before it is acknowledged. What cannot be taken changes nothing; what came before it
+//! stays. The state of a map depends on its configuration and its events alone, so it is rebuilt from them by
+//! replay. Nothing grows without a bound of [`Limits`].
 //!
-//! [`session`] is the state machine of one map, without I/O; [`store`] keeps configurations and events; [`maps`]
-//! gives every map its turn on the [`workers`]; [`http`] speaks to the world, and `problem` alone decides statuses.
+//! [`session`] is the state machine of one map, without I/O; [`store`] keeps configurations and events;
+//! [`maps`] gives every map its turn on the [`workers`]; [`http`] speaks to the world, and [`problem`] alone
+//! decides statuses.
 
 pub mod limits;
 pub mod map_name;

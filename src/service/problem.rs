@@ -247,7 +247,7 @@ impl From<MapNameError> for Problem {
 }
 
 impl IntoResponse for Problem {
-    /// The document without its `instance`, which the outermost layer fills in from the copy in the extensions.
+    /// The document without its `instance`, which the edge fills in from the copy in the extensions.
     fn into_response(self) -> Response {
         let status = StatusCode::from_u16(self.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
         let mut response = (status, Json(&self)).into_response();

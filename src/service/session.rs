@@ -1,7 +1,7 @@
 //! The session of one map: a state machine without I/O.
 //!
-//! It takes events one by one. What it cannot take leaves it unchanged, what it has taken before it takes again
-//! without effect, and the same events always give the same state, however they arrived.
+//! It takes events one by one. What it cannot take leaves it unchanged, what it has taken before it takes
+//! again without effect, and the same events always give the same state, however they arrived.
 
 use crate::abduction::{self, Abduction, Visit, VisitError};
 use crate::lpm::Lpm;

@@ -7,8 +7,8 @@ use std::collections::btree_map::Entry;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use thiserror::Error;
 
-/// Keeps maps. Calls may block; the service makes none of them on an async worker, and none for one map at the
-/// same time as another for that map.
+/// Keeps maps. Calls may block; the service makes none of them on an async worker, and appends to one map one
+/// after the other.
 pub trait Store: Send + Sync {
     /// Keeps a new map; if the name is taken, gives the configuration kept under it and changes nothing.
     fn create(&self, map: &MapName, config: MapConfig) -> Result<Created, StoreError>;

@@ -3,7 +3,7 @@
 //! A trace is append-only. Its events count up from 0 without gaps; an observation is followed by any number of
 //! turns and one travel, which ends at the next observation; a trace may stop anywhere. [`event`] holds the
 //! values, [`wire`] their JSON form, [`ndjson`] reads and writes lines, [`recording`] cuts a log into a trace, and [`experience`] checks the grammar
-//! and turns grids into stars, so that what leaves this module is what the logic needs.
+//! and turns grids into stars ([`perceive`]), so that what leaves this module is what the logic needs.
 
 pub mod event;
 pub mod experience;

@@ -7,4 +7,5 @@ mod examples;
 mod faults;
 mod hostile;
 mod maps;
+mod sockets;
 mod storage;

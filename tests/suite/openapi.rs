@@ -1,4 +1,4 @@
-//! The OpenAPI document is a reviewed golden file. `UPDATE_GOLDEN=1 cargo test --test suite openapi` rewrites it.
+//! The OpenAPI document is a reviewed golden file; `UPDATE_GOLDEN=1 cargo test --test suite` rewrites it.
 
 use serde_json::Value;
 use std::path::Path;

@@ -28,7 +28,7 @@ impl MediaType {
             "application/json" => Ok(MediaType::Json),
             "application/x-ndjson" | "application/jsonl" => Ok(MediaType::Ndjson),
             _ => Err(unsupported(format!(
-                "Content-Type is `{given}`, expected application/json, or application/x-ndjson for lines of events"
+                "Content-Type is `{given}`, expected application/json or application/x-ndjson"
             ))),
         }
     }
@@ -70,7 +70,7 @@ pub(super) async fn piece(body: &mut Body) -> Result<Option<Bytes>, Problem> {
     }
 }
 
-/// Reads on to the end or the bound. A client that still sends when the connection is closed may lose the answer.
+/// Reads on to the end or the bound: a client that still sends when the connection closes may lose the answer.
 pub(super) async fn drain(body: &mut Body, bound: usize) {
     let mut read = 0;
     while read < bound

@@ -78,12 +78,13 @@ impl CandidateSummary {
         ("If-None-Match" = Option<String>, Header, description = "ETag of the answer the client has"),
     ),
     responses(
-        (status = 200, description = "A page of candidates", body = CandidatePage, headers(("ETag" = String, description = "Changes with the answer"))),
+        (status = 200, description = "A page of candidates", body = CandidatePage,
+            headers(("ETag" = String, description = "Changes with the answer"))),
         (status = 304, description = "The answer has not changed"),
-        (status = 400, description = "The query is wrong", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "There is no such map", body = Problem, content_type = "application/problem+json"),
-        (status = 410, description = "The candidates have changed since the cursor was given", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "The name is not one", body = Problem, content_type = "application/problem+json"),
+        (status = 400, description = "The query is wrong"),
+        (status = 404, description = "There is no such map"),
+        (status = 410, description = "The candidates have changed since the cursor was given"),
+        (status = 422, description = "The name is not one"),
     )
 )]
 pub(super) async fn list_candidates(
@@ -106,10 +107,11 @@ pub(super) async fn list_candidates(
         ("If-None-Match" = Option<String>, Header, description = "ETag of the answer the client has"),
     ),
     responses(
-        (status = 200, description = "The preferred candidate", body = Preferred, headers(("ETag" = String, description = "Changes with the answer"))),
+        (status = 200, description = "The preferred candidate", body = Preferred,
+            headers(("ETag" = String, description = "Changes with the answer"))),
         (status = 304, description = "The answer has not changed"),
-        (status = 404, description = "There is no such map, it has no observation, or no map explains its events", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "The name is not one", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "No such map, no observation in it, or nothing explains its events"),
+        (status = 422, description = "The name is not one"),
     )
 )]
 pub(super) async fn get_preferred(
@@ -124,16 +126,18 @@ pub(super) async fn get_preferred(
 
 /// Read the map of the preferred candidate as a graph.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/candidates/preferred/graph", tag = "maps", operation_id = "get_preferred_graph",
+    get, path = "/v1/maps/{map}/candidates/preferred/graph", tag = "maps",
+    operation_id = "get_preferred_graph",
     params(
         ("map" = String, Path, description = "Name of the map"),
         ("If-None-Match" = Option<String>, Header, description = "ETag of the answer the client has"),
     ),
     responses(
-        (status = 200, description = "Places, paths, path segments and frontier", body = MapGraph, headers(("ETag" = String, description = "Changes with the answer"))),
+        (status = 200, description = "Places, paths, path segments and frontier", body = MapGraph,
+            headers(("ETag" = String, description = "Changes with the answer"))),
         (status = 304, description = "The answer has not changed"),
-        (status = 404, description = "There is no such map, it has no observation, or no map explains its events", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "The name is not one", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "No such map, no observation in it, or nothing explains its events"),
+        (status = 422, description = "The name is not one"),
     )
 )]
 pub(super) async fn get_preferred_graph(

@@ -31,31 +31,40 @@ pub(super) struct Receipt {
     complete: bool,
 }
 
+/// One event or an array of them.
+#[derive(ToSchema)]
+#[serde(untagged)]
+#[expect(dead_code, reason = "only its schema is used; bodies are parsed event by event")]
+enum Events {
+    One(Box<WireEvent>),
+    Many(Vec<WireEvent>),
+}
+
 /// Post events.
 ///
 /// One event, an array of them, or NDJSON, one event a line (the item schema is `Event`). Events are taken in
-/// order of `seq`; posting one again with the same content does no harm. At the first event that cannot be taken
-/// the taking ends: what came before it stays, nothing after it is taken.
+/// order of `seq`; posting one again with the same content does no harm. The taking ends at the first event that
+/// cannot be taken: what came before it stays, nothing after it is taken.
 #[utoipa::path(
     post, path = "/v1/maps/{map}/events", tag = "events", operation_id = "post_events",
     params(("map" = String, Path, description = "Name of the map")),
     request_body(
         description = "Events",
         content(
-            (Vec<WireEvent> = "application/json"),
+            (Events = "application/json"),
             (WireEvent = "application/x-ndjson"),
             (WireEvent = "application/jsonl"),
         )
     ),
     responses(
         (status = 200, description = "All events are kept", body = Receipt),
-        (status = 400, description = "The body is not JSON or broke off", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "There is no such map", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "Events are missing, or another event has the number", body = Problem, content_type = "application/problem+json"),
-        (status = 413, description = "The body or a line is too long", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "The body is neither JSON nor NDJSON", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "An event is wrong; those before it are kept", body = Problem, content_type = "application/problem+json"),
-        (status = 507, description = "The map is as big as it may be", body = Problem, content_type = "application/problem+json"),
+        (status = 400, description = "The body is not JSON or broke off"),
+        (status = 404, description = "There is no such map"),
+        (status = 409, description = "Events are missing, or another event has the number"),
+        (status = 413, description = "The body or a line is too long"),
+        (status = 415, description = "The body is neither JSON nor NDJSON"),
+        (status = 422, description = "An event is wrong; those before it are kept"),
+        (status = 507, description = "The map is as big as it may be"),
     )
 )]
 pub(super) async fn post_events(

@@ -72,12 +72,12 @@ impl MapState {
     responses(
         (status = 201, description = "The map is made", body = MapState),
         (status = 200, description = "The map exists with this configuration", body = MapState),
-        (status = 400, description = "The body is not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "The map exists with another configuration", body = Problem, content_type = "application/problem+json"),
-        (status = 413, description = "The body is too large", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "The body is not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "The name or the configuration is wrong", body = Problem, content_type = "application/problem+json"),
-        (status = 507, description = "There are as many maps as there may be", body = Problem, content_type = "application/problem+json"),
+        (status = 400, description = "The body is not JSON"),
+        (status = 409, description = "The map exists with another configuration"),
+        (status = 413, description = "The body is too large"),
+        (status = 415, description = "The body is not application/json"),
+        (status = 422, description = "The name or the configuration is wrong"),
+        (status = 507, description = "There are as many maps as there may be"),
     )
 )]
 pub(super) async fn put_map(
@@ -102,10 +102,11 @@ pub(super) async fn put_map(
         ("If-None-Match" = Option<String>, Header, description = "ETag of the answer the client has"),
     ),
     responses(
-        (status = 200, description = "The map", body = MapState, headers(("ETag" = String, description = "Changes with the answer"))),
+        (status = 200, description = "The map", body = MapState,
+            headers(("ETag" = String, description = "Changes with the answer"))),
         (status = 304, description = "The answer has not changed"),
-        (status = 404, description = "There is no such map", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "The name is not one", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "There is no such map"),
+        (status = 422, description = "The name is not one"),
     )
 )]
 pub(super) async fn get_map(

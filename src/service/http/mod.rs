@@ -4,6 +4,7 @@ mod answer;
 mod body;
 mod candidates;
 mod cursor;
+mod document;
 mod edge;
 mod events;
 mod extract;
@@ -14,7 +15,6 @@ use crate::service::Maps;
 use axum::Router;
 use std::io;
 use tokio::net::TcpListener;
-use utoipa::OpenApi;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -26,7 +26,7 @@ pub fn app(maps: Maps) -> Router {
 
 /// The OpenAPI 3.1 document of the service.
 pub fn openapi() -> utoipa::openapi::OpenApi {
-    api().into_openapi()
+    document::with_problems(api().into_openapi())
 }
 
 /// Serves until the process is asked to end by ctrl-c, and finishes the requests under way.
@@ -41,25 +41,8 @@ async fn interrupted() {
     }
 }
 
-#[derive(OpenApi)]
-#[openapi(
-    info(
-        title = "Topostar",
-        description = "Turns what a robot saw at places and did between them into the topological map that \
-                       explains it best, and keeps every rival map that is still possible.",
-        license(name = "MIT OR Apache-2.0", identifier = "MIT OR Apache-2.0"),
-        contact()
-    ),
-    tags(
-        (name = "maps", description = "Maps and what explains them."),
-        (name = "events", description = "What robots saw and did."),
-        (name = "process", description = "The service itself.")
-    )
-)]
-struct Document;
-
 fn api() -> OpenApiRouter<Maps> {
-    OpenApiRouter::with_openapi(Document::openapi())
+    OpenApiRouter::with_openapi(document::head())
         .routes(routes!(maps::put_map, maps::get_map))
         .routes(routes!(events::post_events))
         .routes(routes!(candidates::list_candidates))

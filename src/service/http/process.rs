@@ -15,7 +15,7 @@ pub(super) async fn livez() -> &'static str {
 /// This document.
 #[utoipa::path(
     get, path = "/openapi.json", tag = "process", operation_id = "openapi",
-    responses((status = 200, description = "The OpenAPI document of the service", body = Object, content_type = "application/json"))
+    responses((status = 200, description = "The OpenAPI document of the service", body = Object))
 )]
 pub(super) async fn openapi_json() -> Json<utoipa::openapi::OpenApi> {
     Json(openapi())

@@ -1,8 +1,8 @@
 //! Sessions follow from what is stored; a store that fails takes nothing down.
 
 use crate::http::client::{Client, JSON, NDJSON, aces, aces_lines};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::{Arc, Mutex, mpsc};
 use topostar::service::{
     Created, Limits, MapConfig, MapName, MemoryStore, Session, Store, StoreError, StoredMap,
 };
@@ -60,6 +60,45 @@ impl Store for Failing {
     fn load(&self, map: &MapName) -> Result<Option<StoredMap>, StoreError> {
         self.kept.load(map)
     }
+}
+
+/// A store that keeps events only when let through.
+struct Gated {
+    kept: MemoryStore,
+    gate: Mutex<mpsc::Receiver<()>>,
+}
+
+impl Store for Gated {
+    fn create(&self, map: &MapName, config: MapConfig) -> Result<Created, StoreError> {
+        self.kept.create(map, config)
+    }
+
+    fn append(&self, map: &MapName, events: &[Arc<Event>]) -> Result<(), StoreError> {
+        self.gate.lock().unwrap().recv().unwrap();
+        self.kept.append(map, events)
+    }
+
+    fn load(&self, map: &MapName) -> Result<Option<StoredMap>, StoreError> {
+        self.kept.load(map)
+    }
+}
+
+#[tokio::test]
+async fn a_read_does_not_wait_for_a_post_and_does_not_see_what_is_not_kept() {
+    let (open, gate) = mpsc::channel();
+    let store = Gated { kept: MemoryStore::new(1), gate: Mutex::new(gate) };
+    let client = Client::with_store(Arc::new(store), Limits::default());
+    client.put("aces", "").await;
+    let poster = client.clone();
+    let post = tokio::spawn(async move { poster.post("aces", NDJSON, aces()).await.status });
+    for path in ["", "/candidates"] {
+        assert_eq!(client.get(&format!("/v1/maps/aces{path}")).await.status, 200);
+    }
+    assert_eq!(client.get("/v1/maps/aces").await.json()["next_seq"], 0);
+    assert!(!post.is_finished());
+    open.send(()).unwrap();
+    assert_eq!(post.await.unwrap(), 200);
+    assert_eq!(client.get("/v1/maps/aces").await.json()["next_seq"], aces_lines().len());
 }
 
 #[tokio::test]
