@@ -2,7 +2,9 @@
 
 use crate::geometry::{Point, clockwise_from};
 use crate::star::{ControlLaw, SlotIndex};
-use crate::worlds::format::{WireControl, WireExpectation, WirePlace, WireSlot, WireTruth, WireWalk, WireWorld};
+use crate::worlds::format::{
+    WireControl, WireExpectation, WirePlace, WireSlot, WireTruth, WireWalk, WireWorld,
+};
 use crate::worlds::world::{Exit, Expectation, Minimal, Place, PlaceSlot, SlotRef, Truth, Walk, World};
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
@@ -157,7 +159,8 @@ fn read_exit(places: &[WirePlace], wire: &WireSlot, field: &str) -> Result<Exit,
                 let slot = places[at].slots.iter().position(|s| s.name == slot)?;
                 Some(SlotRef { place: at, slot: SlotIndex(u8::try_from(slot).ok()?) })
             });
-            let message = || format!("is \"{far}\", expected \"open\" or the PLACE.slot of a place of this file");
+            let message =
+                || format!("is \"{far}\", expected \"open\" or the PLACE.slot of a place of this file");
             found.map(Exit::To).ok_or_else(|| Fault { field: format!("{field}.out"), message: message() })
         }
     }
@@ -244,7 +247,8 @@ fn slot_named(place: &Place, name: &str) -> Option<SlotIndex> {
 
 fn read_expectation(field: &str, visits: usize, wire: WireExpectation) -> Result<Expectation, Fault> {
     if wire.candidates.len() != visits {
-        let message = format!("has {} counts, expected one for each of {visits} visits", wire.candidates.len());
+        let message =
+            format!("has {} counts, expected one for each of {visits} visits", wire.candidates.len());
         return fault(format!("{field}.candidates"), message);
     }
     let truth = match wire.truth {
@@ -256,8 +260,7 @@ fn read_expectation(field: &str, visits: usize, wire: WireExpectation) -> Result
         }
         WireTruth::Refuted { axiom, observation } => Truth::Refuted { axiom, observation },
     };
-    let minimal =
-        Minimal { paths: wire.minimal.paths, places: wire.minimal.places, ties: wire.minimal.ties };
+    let minimal = Minimal { paths: wire.minimal.paths, places: wire.minimal.places, ties: wire.minimal.ties };
     Ok(Expectation { candidates: wire.candidates, created: wire.created, minimal, truth })
 }
 
