@@ -1,5 +1,12 @@
 //! The axioms as laws: properties that hold for all inputs, and the slow reference the engine must agree with.
 
+mod engine;
+mod reference;
+mod strategies;
 mod traces;
 
 mod golden;
+mod minimality;
+mod planarity;
+mod search;
+mod topology;
