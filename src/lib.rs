@@ -18,3 +18,4 @@ pub mod worlds;
 pub mod map;
 pub mod abduction;
 pub mod export;
+pub mod service;

@@ -50,7 +50,7 @@ pub enum TraceError {
 /// The event written in one JSON text.
 pub fn parse_event(text: &str) -> Result<Event, EventError> {
     let mut json = serde_json::Deserializer::from_str(text);
-    let wire: WireEvent = serde_path_to_error::deserialize(&mut json).map_err(|e| event_error(&e))?;
+    let wire: WireEvent = serde_path_to_error::deserialize(&mut json).map_err(|e| EventError::from(&e))?;
     json.end().map_err(|e| {
         EventError::new("", format!("more text after the event: {e}; expected one object a line"))
     })?;
@@ -59,7 +59,7 @@ pub fn parse_event(text: &str) -> Result<Event, EventError> {
 
 /// The event held by a JSON value.
 pub fn event_from_value(value: serde_json::Value) -> Result<Event, EventError> {
-    let wire: WireEvent = serde_path_to_error::deserialize(value).map_err(|e| event_error(&e))?;
+    let wire: WireEvent = serde_path_to_error::deserialize(value).map_err(|e| EventError::from(&e))?;
     wire.into_event()
 }
 
@@ -118,18 +118,20 @@ fn next_event(text: &[u8], grammar: &mut Experience) -> Result<Option<Event>, Ev
     Ok(Some(event))
 }
 
-fn event_error(error: &serde_path_to_error::Error<serde_json::Error>) -> EventError {
-    use serde_path_to_error::Segment;
-    let pointer = error.path().iter().fold(String::new(), |mut pointer, segment| {
-        match segment {
-            Segment::Seq { index } => pointer.push_str(&format!("/{index}")),
-            Segment::Map { key } => {
-                pointer.push_str(&format!("/{}", key.replace('~', "~0").replace('/', "~1")))
+impl From<&serde_path_to_error::Error<serde_json::Error>> for EventError {
+    fn from(error: &serde_path_to_error::Error<serde_json::Error>) -> EventError {
+        use serde_path_to_error::Segment;
+        let pointer = error.path().iter().fold(String::new(), |mut pointer, segment| {
+            match segment {
+                Segment::Seq { index } => pointer.push_str(&format!("/{index}")),
+                Segment::Map { key } => {
+                    pointer.push_str(&format!("/{}", key.replace('~', "~0").replace('/', "~1")))
+                }
+                Segment::Enum { variant } => pointer.push_str(&format!("/{variant}")),
+                Segment::Unknown => {}
             }
-            Segment::Enum { variant } => pointer.push_str(&format!("/{variant}")),
-            Segment::Unknown => {}
-        }
-        pointer
-    });
-    EventError::new(pointer, error.inner().to_string())
+            pointer
+        });
+        EventError::new(pointer, error.inner().to_string())
+    }
 }

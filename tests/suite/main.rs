@@ -1,2 +1,5 @@
-//! tests
+//! The whole product from outside, in one binary.
+
+mod http;
+mod openapi;
 mod worlds;

@@ -1,0 +1,43 @@
+//! Answers to reads: JSON with a strong ETag.
+
+use crate::service::problem::{Problem, ProblemKind};
+use axum::http::{HeaderMap, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use serde::Serialize;
+use std::hash::{DefaultHasher, Hasher};
+
+/// Bytes of JSON and their tag.
+pub(super) struct Representation {
+    bytes: Vec<u8>,
+    tag: String,
+}
+
+impl Representation {
+    /// The JSON form of a value. Linear in its size: belongs to a worker.
+    pub(super) fn of(value: &impl Serialize) -> Result<Representation, Problem> {
+        let bytes = serde_json::to_vec(value).map_err(|error| {
+            Problem::new(ProblemKind::Internal, format!("the answer is not JSON: {error}"))
+        })?;
+        let mut hasher = DefaultHasher::new();
+        hasher.write(&bytes);
+        let tag = format!("\"{:016x}\"", hasher.finish());
+        Ok(Representation { bytes, tag })
+    }
+
+    /// The answer: not modified, if the client has these bytes.
+    pub(super) fn answer(self, request: &HeaderMap) -> Response {
+        let tag = [(header::ETAG, self.tag.clone())];
+        if self.is_known(request) {
+            return (StatusCode::NOT_MODIFIED, tag).into_response();
+        }
+        (tag, [(header::CONTENT_TYPE, "application/json")], self.bytes).into_response()
+    }
+
+    fn is_known(&self, request: &HeaderMap) -> bool {
+        let known = request.get_all(header::IF_NONE_MATCH).iter().filter_map(|value| value.to_str().ok());
+        known.flat_map(|list| list.split(',')).map(str::trim).any(|tag| {
+            // If-None-Match compares weakly.
+            tag == "*" || tag.trim_start_matches("W/") == self.tag
+        })
+    }
+}

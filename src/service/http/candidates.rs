@@ -1,0 +1,158 @@
+//! Candidates: the maps that are still possible, and the simplest of them.
+
+use crate::abduction::Candidate;
+use crate::export::{Count, MapGraph, Preferred};
+use crate::service::http::answer::Representation;
+use crate::service::http::cursor::Cursor;
+use crate::service::http::extract::{MapPath, PageQuery};
+use crate::service::problem::{Problem, ProblemKind};
+use crate::service::{Maps, View};
+use axum::extract::State;
+use axum::http::HeaderMap;
+use axum::response::Response;
+use serde::Serialize;
+use utoipa::ToSchema;
+
+/// Some candidates of a map.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub(super) struct CandidatePage {
+    /// How many there are.
+    total: Count,
+    /// Those on this page, in the order of their visits.
+    candidates: Vec<CandidateSummary>,
+    /// The cursor of the next page; null on the last.
+    next: Option<String>,
+}
+
+/// A candidate: an assignment of every observation to a place and a rotation of its star.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+#[schema(as = Candidate)]
+pub(super) struct CandidateSummary {
+    /// Its position among the candidates, from 0; another event may change it.
+    id: usize,
+    /// Number of paths, travelled or not.
+    paths: usize,
+    /// Number of places.
+    places: usize,
+    /// Number of path segments.
+    segments: usize,
+    /// The number of the place of each observation; places are numbered by first visit.
+    visits: Vec<usize>,
+    /// How many slots further on the star of the place each slot of each observation is.
+    rotations: Vec<u8>,
+}
+
+impl CandidatePage {
+    fn of(view: &View, start: usize, limit: usize) -> CandidatePage {
+        let end = view.abduction.len().min(start.saturating_add(limit));
+        let candidate = |id| Some(CandidateSummary::of(id, &view.abduction.candidate(id)?));
+        CandidatePage {
+            total: view.report.candidates.into(),
+            candidates: (start..end).filter_map(candidate).collect(),
+            next: (end < view.abduction.len()).then(|| Cursor::at(view, end).to_string()),
+        }
+    }
+}
+
+impl CandidateSummary {
+    fn of(id: usize, candidate: &Candidate) -> CandidateSummary {
+        CandidateSummary {
+            id,
+            paths: candidate.map.path_count(),
+            places: candidate.map.place_count(),
+            segments: candidate.map.segment_count(),
+            visits: candidate.places(),
+            rotations: candidate.visits.iter().map(|visit| visit.rotation).collect(),
+        }
+    }
+}
+
+/// List the candidates, page by page.
+///
+/// A cursor holds until the next observation.
+#[utoipa::path(
+    get, path = "/v1/maps/{map}/candidates", tag = "maps", operation_id = "list_candidates",
+    params(
+        ("map" = String, Path, description = "Name of the map"),
+        PageQuery,
+        ("If-None-Match" = Option<String>, Header, description = "ETag of the answer the client has"),
+    ),
+    responses(
+        (status = 200, description = "A page of candidates", body = CandidatePage, headers(("ETag" = String, description = "Changes with the answer"))),
+        (status = 304, description = "The answer has not changed"),
+        (status = 400, description = "The query is wrong", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "There is no such map", body = Problem, content_type = "application/problem+json"),
+        (status = 410, description = "The candidates have changed since the cursor was given", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "The name is not one", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(super) async fn list_candidates(
+    State(maps): State<Maps>,
+    MapPath(name): MapPath,
+    page: PageQuery,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let view = maps.view(&name).await?;
+    let start = page.cursor.map_or(Ok(0), |cursor| Cursor::start(&cursor, &view))?;
+    let read = move || Representation::of(&CandidatePage::of(&view, start, page.limit));
+    Ok(maps.read(read).await??.answer(&headers))
+}
+
+/// Read the preferred candidate: the simplest map.
+#[utoipa::path(
+    get, path = "/v1/maps/{map}/candidates/preferred", tag = "maps", operation_id = "get_preferred",
+    params(
+        ("map" = String, Path, description = "Name of the map"),
+        ("If-None-Match" = Option<String>, Header, description = "ETag of the answer the client has"),
+    ),
+    responses(
+        (status = 200, description = "The preferred candidate", body = Preferred, headers(("ETag" = String, description = "Changes with the answer"))),
+        (status = 304, description = "The answer has not changed"),
+        (status = 404, description = "There is no such map, it has no observation, or no map explains its events", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "The name is not one", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(super) async fn get_preferred(
+    State(maps): State<Maps>,
+    MapPath(name): MapPath,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let view = maps.view(&name).await?;
+    let read = move || Representation::of(&Preferred::of(&view.report).ok_or_else(|| none_left(&view))?);
+    Ok(maps.read(read).await??.answer(&headers))
+}
+
+/// Read the map of the preferred candidate as a graph.
+#[utoipa::path(
+    get, path = "/v1/maps/{map}/candidates/preferred/graph", tag = "maps", operation_id = "get_preferred_graph",
+    params(
+        ("map" = String, Path, description = "Name of the map"),
+        ("If-None-Match" = Option<String>, Header, description = "ETag of the answer the client has"),
+    ),
+    responses(
+        (status = 200, description = "Places, paths, path segments and frontier", body = MapGraph, headers(("ETag" = String, description = "Changes with the answer"))),
+        (status = 304, description = "The answer has not changed"),
+        (status = 404, description = "There is no such map, it has no observation, or no map explains its events", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "The name is not one", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(super) async fn get_preferred_graph(
+    State(maps): State<Maps>,
+    MapPath(name): MapPath,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let view = maps.view(&name).await?;
+    let read = move || {
+        let candidate = view.report.minimal.first().ok_or_else(|| none_left(&view))?;
+        Representation::of(&MapGraph::of(candidate))
+    };
+    Ok(maps.read(read).await??.answer(&headers))
+}
+
+/// Why there is no preferred candidate.
+fn none_left(view: &View) -> Problem {
+    match &view.report.extinction {
+        Some(extinction) => Problem::extinct(extinction),
+        None => Problem::new(ProblemKind::NoObservation, "post the first observation, the event with seq 0"),
+    }
+}

@@ -1,0 +1,141 @@
+//! All maps of the service: one session each, in order for one map and side by side for several.
+
+use crate::service::{
+    Batch, Created, Intake, Interrupted, Limits, MapConfig, MapName, Session, SessionError, Store,
+    StoreError, Taken, View, Workers,
+};
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use thiserror::Error;
+use tokio::sync::{Mutex as TurnMutex, watch};
+
+/// The maps. A clone is another handle to the same maps.
+#[derive(Clone)]
+pub struct Maps {
+    store: Arc<dyn Store>,
+    limits: Limits,
+    live: Arc<Mutex<BTreeMap<MapName, Arc<LiveMap>>>>,
+    /// Apart, so that a read never waits for a search.
+    searches: Workers,
+    reads: Workers,
+}
+
+/// Why the service cannot do what was asked of a map.
+#[derive(Debug, Error)]
+pub enum MapsError {
+    /// There is no such map.
+    #[error("there is no map `{0}`; make it first with PUT /v1/maps/{0}")]
+    Unknown(MapName),
+    /// It exists with another configuration.
+    #[error("the map `{0}` exists with another configuration, which cannot change; choose another name")]
+    OtherConfig(MapName),
+    /// The store did not keep it.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// What was kept does not replay.
+    #[error("the events kept do not replay: {0}")]
+    Replay(#[from] SessionError),
+    /// The work was cut short.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
+}
+
+struct LiveMap {
+    /// None after work was cut short: the next one to take its turn replays what is kept.
+    session: Arc<TurnMutex<Option<Session>>>,
+    view: watch::Sender<Arc<View>>,
+}
+
+impl Maps {
+    /// The maps of a store.
+    pub fn new(store: Arc<dyn Store>, limits: Limits) -> Self {
+        let (searches, reads) = (Workers::default(), Workers::default());
+        Maps { store, limits, live: Arc::default(), searches, reads }
+    }
+
+    /// The bounds they keep.
+    pub fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
+    /// Makes a map, or finds that it exists with this configuration.
+    pub async fn create(&self, name: &MapName, config: MapConfig) -> Result<Created, MapsError> {
+        let (store, key) = (Arc::clone(&self.store), name.clone());
+        match self.reads.run(move || store.create(&key, config)).await?? {
+            Created::Existing(other) if other != config => Err(MapsError::OtherConfig(name.clone())),
+            created => Ok(created),
+        }
+    }
+
+    /// What a map shows now.
+    pub async fn view(&self, name: &MapName) -> Result<Arc<View>, MapsError> {
+        Ok(self.find(name).await?.view.borrow().clone())
+    }
+
+    /// Takes events into a map. Returns when they are kept, and not before the map's readers see them.
+    pub async fn take(&self, name: &MapName, batch: Batch) -> Result<(Taken, Arc<View>), MapsError> {
+        let live = self.find(name).await?;
+        let mut turn = Arc::clone(&live.session).lock_owned().await;
+        let (maps, name) = (self.clone(), name.clone());
+        self.searches.run(move || maps.take_in_turn(&name, &live, &mut turn, &batch)).await?
+    }
+
+    /// Computes from a view, away from the async workers.
+    pub async fn read<T: Send + 'static>(
+        &self,
+        work: impl FnOnce() -> T + Send + 'static,
+    ) -> Result<T, MapsError> {
+        Ok(self.reads.run(work).await?)
+    }
+
+    /// While the work runs the session is out of its place, so that a panic leaves none rather than half of one.
+    fn take_in_turn(
+        &self,
+        name: &MapName,
+        live: &LiveMap,
+        place: &mut Option<Session>,
+        batch: &Batch,
+    ) -> Result<(Taken, Arc<View>), MapsError> {
+        let mut session = match place.take() {
+            Some(session) => session,
+            None => self.replay(name)?,
+        };
+        let taken = Intake::take(&mut session, batch);
+        if !taken.new.is_empty() {
+            self.store.append(name, &taken.new)?;
+        }
+        let shown = live.view.borrow().clone();
+        if shown.next_seq != session.next_seq() {
+            live.view.send_replace(Arc::new(shown.next(&session)));
+        }
+        *place = Some(session);
+        Ok((taken, live.view.borrow().clone()))
+    }
+
+    async fn find(&self, name: &MapName) -> Result<Arc<LiveMap>, MapsError> {
+        if let Some(live) = self.live().get(name) {
+            return Ok(Arc::clone(live));
+        }
+        let (maps, key) = (self.clone(), name.clone());
+        let session = self.searches.run(move || maps.replay(&key)).await??;
+        let live = || Arc::new(LiveMap::new(session));
+        Ok(Arc::clone(self.live().entry(name.clone()).or_insert_with(live)))
+    }
+
+    fn replay(&self, name: &MapName) -> Result<Session, MapsError> {
+        let stored = self.store.load(name)?.ok_or_else(|| MapsError::Unknown(name.clone()))?;
+        Ok(Session::replay(stored.config, self.limits, &stored.events)?)
+    }
+
+    /// Every change is one insertion, so a panic elsewhere cannot leave the maps half changed.
+    fn live(&self) -> MutexGuard<'_, BTreeMap<MapName, Arc<LiveMap>>> {
+        self.live.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl LiveMap {
+    fn new(session: Session) -> Self {
+        let view = watch::Sender::new(Arc::new(View::of(&session)));
+        LiveMap { session: Arc::new(TurnMutex::new(Some(session))), view }
+    }
+}

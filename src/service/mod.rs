@@ -1,0 +1,34 @@
+//! The service: maps that grow with what robots post.
+//!
+//! What it promises. Events of a map are taken in order of `seq`, each once, and posting one again does no harm.
+//! An event is kept before it is acknowledged. What cannot be taken changes nothing; what came before it stays.
+//! The state of a map depends on its configuration and its events alone, so it is rebuilt from them by replay.
+//! Nothing grows without a bound of [`Limits`].
+//!
+//! [`session`] is the state machine of one map, without I/O; [`store`] keeps configurations and events; [`maps`]
+//! gives every map its turn on the [`workers`]; [`http`] speaks to the world, and `problem` alone decides statuses.
+
+pub mod limits;
+pub mod map_name;
+pub mod map_config;
+pub mod session;
+pub mod store;
+pub mod view;
+pub mod lines;
+pub mod intake;
+pub mod workers;
+pub mod maps;
+pub mod problem;
+pub mod http;
+
+pub use http::{app, openapi, serve};
+pub use intake::{Batch, Fault, Intake, IntakeError, Position, Taken};
+pub use limits::Limits;
+pub use lines::{Line, Lines};
+pub use map_config::{MapConfig, WireMapConfig};
+pub use map_name::{MapName, MapNameError};
+pub use maps::{Maps, MapsError};
+pub use session::{Accepted, Session, SessionError};
+pub use store::{Created, MemoryStore, Store, StoreError, StoredMap};
+pub use view::View;
+pub use workers::{Interrupted, Workers};

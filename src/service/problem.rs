@@ -1,0 +1,258 @@
+//! Every error as a problem document (RFC 9457). The only file that decides statuses.
+
+use crate::abduction::Extinction;
+use crate::service::{Fault, IntakeError, MapNameError, MapsError, Position, SessionError, StoreError};
+use axum::Json;
+use axum::http::{HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+/// The media type of problem documents.
+pub const PROBLEM_JSON: &str = "application/problem+json";
+
+/// What went wrong and how to mend it. Fields that do not apply are left out.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, ToSchema)]
+pub struct Problem {
+    /// Names the kind of problem: `/problems/` and the code.
+    #[serde(rename = "type")]
+    pub kind: String,
+    /// The kind of problem in words.
+    pub title: &'static str,
+    /// The HTTP status.
+    pub status: u16,
+    /// The kind of problem, for programs.
+    pub code: &'static str,
+    /// What was found, what was expected, how to mend it.
+    pub detail: String,
+    /// The path of the request.
+    pub instance: String,
+    /// JSON pointer to the value at fault in the configuration or event; empty for the whole.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pointer: Option<String>,
+    /// The line of the NDJSON body, from 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub line: Option<u64>,
+    /// The position in the array of events, from 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub index: Option<u64>,
+    /// The number of the event at fault.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seq: Option<u64>,
+    /// The number of the event that comes next.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub expected: Option<u64>,
+    /// The number of the last event taken: all up to it are kept. Null if the map has none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<u64>)]
+    pub accepted_through: Option<Option<u64>>,
+    /// The observation that nothing explains, from 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub observation: Option<usize>,
+    /// The axioms that refuted the last candidates.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axioms: Option<Vec<&'static str>>,
+}
+
+/// The kinds of problem.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ProblemKind {
+    /// The body is not JSON.
+    MalformedJson,
+    /// The body ended or broke before its end.
+    IncompleteBody,
+    /// The query is wrong.
+    InvalidQuery,
+    /// No such resource.
+    UnknownResource,
+    /// No such map.
+    UnknownMap,
+    /// The map has seen nothing.
+    NoObservation,
+    /// No map is consistent with the events.
+    NoConsistentMap,
+    /// The resource does not have the method.
+    MethodNotAllowed,
+    /// Events are missing.
+    SequenceGap,
+    /// Another event has the number.
+    EventConflict,
+    /// The map has another configuration.
+    ConfigConflict,
+    /// The candidates have changed since the cursor was given.
+    StaleCursor,
+    /// The body or a line of it is too long.
+    BodyTooLarge,
+    /// The media type or encoding of the body is not taken.
+    UnsupportedMediaType,
+    /// The name of the map is not one.
+    InvalidMapName,
+    /// The configuration is wrong.
+    MalformedConfig,
+    /// The event is wrong.
+    MalformedEvent,
+    /// A fault of the service.
+    Internal,
+    /// As many maps as there may be.
+    TooManyMaps,
+    /// A map as big as it may be.
+    MapFull,
+}
+
+impl ProblemKind {
+    /// Status, code and title.
+    fn row(self) -> (StatusCode, &'static str, &'static str) {
+        use ProblemKind::*;
+        match self {
+            MalformedJson => (StatusCode::BAD_REQUEST, "malformed-json", "The body is not JSON"),
+            IncompleteBody => (StatusCode::BAD_REQUEST, "incomplete-body", "The body broke off"),
+            InvalidQuery => (StatusCode::BAD_REQUEST, "invalid-query", "The query is wrong"),
+            UnknownResource => (StatusCode::NOT_FOUND, "unknown-resource", "There is nothing here"),
+            UnknownMap => (StatusCode::NOT_FOUND, "unknown-map", "There is no such map"),
+            NoObservation => (StatusCode::NOT_FOUND, "no-observation", "The map has no observation yet"),
+            NoConsistentMap => (StatusCode::NOT_FOUND, "no-consistent-map", "No map explains the events"),
+            MethodNotAllowed => (
+                StatusCode::METHOD_NOT_ALLOWED,
+                "method-not-allowed",
+                "The resource does not have the method",
+            ),
+            SequenceGap => (StatusCode::CONFLICT, "sequence-gap", "Events are missing"),
+            EventConflict => (StatusCode::CONFLICT, "event-conflict", "Another event has the number"),
+            ConfigConflict => (StatusCode::CONFLICT, "config-conflict", "The map has another configuration"),
+            StaleCursor => (StatusCode::GONE, "stale-cursor", "The candidates have changed"),
+            BodyTooLarge => (StatusCode::PAYLOAD_TOO_LARGE, "body-too-large", "The body is too large"),
+            UnsupportedMediaType => (
+                StatusCode::UNSUPPORTED_MEDIA_TYPE,
+                "unsupported-media-type",
+                "The media type of the body is not taken",
+            ),
+            InvalidMapName => {
+                (StatusCode::UNPROCESSABLE_ENTITY, "invalid-map-name", "The name of the map is not one")
+            }
+            MalformedConfig => {
+                (StatusCode::UNPROCESSABLE_ENTITY, "malformed-config", "The configuration is wrong")
+            }
+            MalformedEvent => (StatusCode::UNPROCESSABLE_ENTITY, "malformed-event", "The event is wrong"),
+            Internal => (StatusCode::INTERNAL_SERVER_ERROR, "internal-error", "The service is at fault"),
+            TooManyMaps => (StatusCode::INSUFFICIENT_STORAGE, "too-many-maps", "There are too many maps"),
+            MapFull => (StatusCode::INSUFFICIENT_STORAGE, "map-full", "The map is full"),
+        }
+    }
+}
+
+impl Problem {
+    /// A problem of a kind.
+    pub fn new(kind: ProblemKind, detail: impl Into<String>) -> Problem {
+        let (status, code, title) = kind.row();
+        Problem {
+            kind: format!("/problems/{code}"),
+            title,
+            status: status.as_u16(),
+            code,
+            detail: detail.into(),
+            instance: String::new(),
+            pointer: None,
+            line: None,
+            index: None,
+            seq: None,
+            expected: None,
+            accepted_through: None,
+            observation: None,
+            axioms: None,
+        }
+    }
+
+    /// The problem of a map that no candidate is left of.
+    pub fn extinct(extinction: &Extinction) -> Problem {
+        let axioms: Vec<_> = extinction.axioms.iter().map(|axiom| axiom.name()).collect();
+        let detail = format!(
+            "nothing explains observation {}; the last candidates were refuted by {}",
+            extinction.observation,
+            axioms.join(", ")
+        );
+        Problem {
+            observation: Some(extinction.observation),
+            axioms: Some(axioms),
+            ..Problem::new(ProblemKind::NoConsistentMap, detail)
+        }
+    }
+
+    /// The problem of an event that was not taken by a map which expects `next_seq`.
+    pub fn fault(fault: Fault, next_seq: u64) -> Problem {
+        let (line, index) = match fault.position {
+            Position::Whole => (None, None),
+            Position::Line(line) => (Some(line), None),
+            Position::Index(index) => (None, Some(index)),
+        };
+        let (seq, accepted_through) = (fault.seq, Some(next_seq.checked_sub(1)));
+        Problem { line, index, seq, accepted_through, ..Problem::from(fault.error) }
+    }
+}
+
+impl From<IntakeError> for Problem {
+    fn from(error: IntakeError) -> Problem {
+        let detail = error.to_string();
+        match error {
+            IntakeError::NotJson(_) => Problem::new(ProblemKind::MalformedJson, detail),
+            IntakeError::LineTooLong(_) => Problem::new(ProblemKind::BodyTooLarge, detail),
+            IntakeError::Malformed(error) => {
+                Problem { pointer: Some(error.pointer), ..Problem::new(ProblemKind::MalformedEvent, detail) }
+            }
+            IntakeError::Session(error) => error.into(),
+        }
+    }
+}
+
+impl From<SessionError> for Problem {
+    fn from(error: SessionError) -> Problem {
+        let detail = error.to_string();
+        match error {
+            SessionError::Gap { expected, .. } => {
+                Problem { expected: Some(expected), ..Problem::new(ProblemKind::SequenceGap, detail) }
+            }
+            SessionError::Conflict { .. } => Problem::new(ProblemKind::EventConflict, detail),
+            SessionError::Full { .. } => Problem::new(ProblemKind::MapFull, detail),
+            SessionError::Refused(error) => {
+                let at = error.at();
+                Problem {
+                    pointer: Some(at.pointer.clone()),
+                    ..Problem::new(ProblemKind::MalformedEvent, at.to_string())
+                }
+            }
+            SessionError::Visit(_) => {
+                Problem { pointer: Some(String::new()), ..Problem::new(ProblemKind::MalformedEvent, detail) }
+            }
+        }
+    }
+}
+
+impl From<MapsError> for Problem {
+    fn from(error: MapsError) -> Problem {
+        let kind = match &error {
+            MapsError::Unknown(_) | MapsError::Store(StoreError::UnknownMap(_)) => ProblemKind::UnknownMap,
+            MapsError::OtherConfig(_) => ProblemKind::ConfigConflict,
+            MapsError::Store(StoreError::TooManyMaps(_)) => ProblemKind::TooManyMaps,
+            MapsError::Store(StoreError::Failed(_)) | MapsError::Replay(_) | MapsError::Interrupted(_) => {
+                ProblemKind::Internal
+            }
+        };
+        Problem::new(kind, error.to_string())
+    }
+}
+
+impl From<MapNameError> for Problem {
+    fn from(error: MapNameError) -> Problem {
+        Problem::new(ProblemKind::InvalidMapName, error.to_string())
+    }
+}
+
+impl IntoResponse for Problem {
+    /// The document without its `instance`, which the outermost layer fills in from the copy in the extensions.
+    fn into_response(self) -> Response {
+        let status = StatusCode::from_u16(self.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
+        let mut response = (status, Json(&self)).into_response();
+        response.headers_mut().insert(header::CONTENT_TYPE, HeaderValue::from_static(PROBLEM_JSON));
+        response.extensions_mut().insert(self);
+        response
+    }
+}

@@ -1,0 +1,38 @@
+//! What readers see of a map: a snapshot that no running search holds up.
+
+use crate::abduction::{Abduction, Report};
+use crate::service::{MapConfig, Session};
+use std::sync::Arc;
+
+/// A map after some of its events.
+#[derive(Clone, Debug)]
+pub struct View {
+    /// How it is built.
+    pub config: MapConfig,
+    /// The number of the event that comes next.
+    pub next_seq: u64,
+    /// What explains the events; a clone shares everything with the session's.
+    pub abduction: Abduction,
+    /// What it has found.
+    pub report: Arc<Report>,
+}
+
+impl View {
+    /// What a session shows now.
+    pub fn of(session: &Session) -> View {
+        View::with_report(session, Arc::new(session.abduction().report()))
+    }
+
+    /// What the session of this view shows now. Only an observation changes what is found.
+    pub fn next(&self, session: &Session) -> View {
+        if session.abduction().observations() == self.abduction.observations() {
+            return View::with_report(session, Arc::clone(&self.report));
+        }
+        View::of(session)
+    }
+
+    fn with_report(session: &Session, report: Arc<Report>) -> View {
+        let (config, next_seq) = (session.config(), session.next_seq());
+        View { config, next_seq, abduction: session.abduction().clone(), report }
+    }
+}
