@@ -1,10 +1,12 @@
 //! World files to worlds: everything is checked, and what is wrong is named by file and field.
 
-use crate::geometry::{Point, clockwise_from};
+use crate::geometry::{Point, clockwise_from, direction};
 use crate::star::{ControlLaw, SlotIndex};
+use crate::worlds::drawing::Drawing;
 use crate::worlds::format::{
     WireControl, WireExpectation, WirePlace, WireSlot, WireTruth, WireWalk, WireWorld,
 };
+use crate::worlds::shapes::read_drawing;
 use crate::worlds::world::{Exit, Expectation, Minimal, Place, PlaceSlot, SlotRef, Truth, Walk, World};
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
@@ -55,12 +57,15 @@ fn read(name: &str, text: &str) -> Result<World, Fault> {
         .map(|(index, place)| read_place(&wire.place, index, place))
         .collect::<Result<Vec<_>, _>>()?;
     check_far_ends(&places)?;
+    let drawing = read_drawing(&wire.drawing).map_err(|(field, message)| Fault { field, message })?;
+    check_open(&drawing, &places)?;
     let walk = read_walk(&places, &wire.walk)?;
     let visits = walk.leave.len() + 1;
     Ok(World {
         name: name.into(),
         title: wire.title.trim().into(),
         story: wire.story.trim().into(),
+        drawing,
         places,
         walk,
         paper: read_expectation("expect.paper", visits, wire.expect.paper)?,
@@ -208,6 +213,26 @@ fn check_far_ends(places: &[Place]) -> Result<(), Fault> {
                         "is \"{far_place}.{}\", whose own `out` is not \"{near}\"; expected far ends that agree",
                         far_slot.name
                     ),
+                );
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Every place and all its gateways must be where the robot can be.
+fn check_open(drawing: &Drawing, places: &[Place]) -> Result<(), Fault> {
+    for (p, place) in places.iter().enumerate() {
+        if !drawing.contains(&place.at) {
+            return fault(format!("place[{p}].at"), "is not in the open, expected a point of an open shape");
+        }
+        for (s, slot) in place.slots.iter().enumerate() {
+            let gateway = place.at + direction(slot.bearing) * slot.reach;
+            if slot.exit != Exit::Closed && !drawing.contains(&gateway) {
+                let field = format!("place[{p}].slots[{s}].bearing");
+                return fault(
+                    field,
+                    "points at a wall, expected the gateway `reach` metres away in the open",
                 );
             }
         }
