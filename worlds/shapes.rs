@@ -28,7 +28,13 @@ fn read_shape(wire: &WireShape) -> Result<Vec<Shape>, &'static str> {
             }
             Ok(axis.windows(2).map(|pair| stretch(point(&pair[0]), point(&pair[1]), *width)).collect())
         }
-        WireShape { corridor: None, width: None, disc: Some(center), radius: Some(radius), polygon: None } => {
+        WireShape {
+            corridor: None,
+            width: None,
+            disc: Some(center),
+            radius: Some(radius),
+            polygon: None,
+        } => {
             if !finite(&[*center]) || !positive(*radius) {
                 return Err("expected a disc with a finite centre and a radius above 0");
             }

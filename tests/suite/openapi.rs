@@ -16,7 +16,10 @@ fn the_document_is_the_golden_one() {
         fs::write(&path, &document).unwrap();
     }
     let golden = fs::read_to_string(&path).unwrap();
-    assert!(golden == document, "api/openapi.json is not what the routes say; rewrite it with UPDATE_GOLDEN=1");
+    assert!(
+        golden == document,
+        "api/openapi.json is not what the routes say; rewrite it with UPDATE_GOLDEN=1"
+    );
 }
 
 #[test]
