@@ -6,7 +6,8 @@
 use crate::abduction::{self, Abduction, Visit, VisitError};
 use crate::lpm::Lpm;
 use crate::service::{Limits, MapConfig};
-use crate::trace::experience::Described;
+use crate::star::PerceptionParameters;
+use crate::trace::perceive::perceive;
 use crate::trace::{Event, EventKind, Experience, ExperienceError, Percept, Sighting};
 use std::sync::Arc;
 use thiserror::Error;
@@ -95,6 +96,7 @@ impl Session {
         }
         let cells = self.room_for(event)?;
         let mut experience = self.experience.clone();
+        let describe = |lpm: &Lpm, first| perceive(lpm, first, &PerceptionParameters::default());
         if let Some(sighting) = experience.accept(event, &describe)? {
             self.abduction.observe(&visit(&sighting))?;
         }
@@ -152,8 +154,4 @@ fn cells(event: &Event) -> usize {
 
 fn visit(sighting: &Sighting) -> Visit {
     Visit { departure: sighting.departure, star: sighting.star.large_scale(), arrival: sighting.arrival }
-}
-
-fn describe(_lpm: &Lpm, _first: bool) -> Result<Described, ExperienceError> {
-    Err(ExperienceError::NotDescribed("grids are not described yet, expected a star with its dstate".into()))
 }

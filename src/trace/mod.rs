@@ -7,6 +7,7 @@
 
 pub mod event;
 pub mod experience;
+pub mod perceive;
 pub mod ndjson;
 pub mod recording;
 pub mod wire;

@@ -1,1 +1,9 @@
-//! wip
+//! The service over its router, in-process: what clients see, route by route and fault by fault.
+
+mod candidates;
+mod client;
+mod events;
+mod faults;
+mod hostile;
+mod maps;
+mod storage;
