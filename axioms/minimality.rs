@@ -6,10 +6,10 @@ use crate::strategies::tangled_walks;
 use proptest::prelude::*;
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn the_minimum_is_that_of_the_reference(walk in tangled_walks(6)) {
+    fn the_minimum_is_that_of_the_reference(walk in tangled_walks(8)) {
         for axioms in axiom_sets() {
             let visits = affordable(&walk.visits, axioms);
             let report = explain(visits, axioms).report();

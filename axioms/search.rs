@@ -31,16 +31,16 @@ fn profiles_are_those_of_the_reference() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 96, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn candidates_are_those_of_the_reference(walk in tangled_walks(6), lies in lies(6)) {
+    fn candidates_are_those_of_the_reference(walk in tangled_walks(8), lies in lies(8)) {
         agrees_with_the_reference(&walk.visits)?;
         agrees_with_the_reference(&lies)?;
     }
 
     #[test]
-    fn candidates_on_grids_are_those_of_the_reference(walk in grid_walks(9)) {
+    fn candidates_on_grids_are_those_of_the_reference(walk in grid_walks(14)) {
         for profile in Profile::ALL {
             let axioms = AxiomSet::of(profile);
             let visits = affordable(&walk.visits, axioms);
@@ -58,7 +58,7 @@ proptest! {
     }
 
     #[test]
-    fn the_truth_is_a_candidate_if_it_obeys(tangled in tangled_walks(8), grid in grid_walks(10)) {
+    fn the_truth_is_a_candidate_if_it_obeys(tangled in tangled_walks(8), grid in grid_walks(16)) {
         let axioms = AxiomSet::of(Profile::Default);
         for walk in [tangled, grid.clone()] {
             let visits = affordable(&walk.visits, axioms);
@@ -90,7 +90,7 @@ proptest! {
     }
 
     #[test]
-    fn the_listing_of_stars_changes_rotations_only(walk in tangled_walks(6), by in relistings()) {
+    fn the_listing_of_stars_changes_rotations_only(walk in tangled_walks(8), by in relistings()) {
         let axioms = AxiomSet::of(Profile::Default);
         let visits = affordable(&walk.visits, axioms);
         let relisted = |story: Story| -> Story {

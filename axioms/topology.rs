@@ -50,10 +50,10 @@ fn every_axiom_has_one_property() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 96, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn axioms_refute_exactly_what_breaks_them(walk in tangled_walks(6), lies in lies(6)) {
+    fn axioms_refute_exactly_what_breaks_them(walk in tangled_walks(8), lies in lies(8)) {
         for (_, property) in PROPERTIES {
             property(crate::engine::affordable(&walk.visits, topostar::abduction::AxiomSet::built_in()))?;
             property(crate::engine::affordable(&lies, topostar::abduction::AxiomSet::built_in()))?;

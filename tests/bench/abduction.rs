@@ -1,5 +1,13 @@
 //! Maps created per second over the recorded grid traces; the counts printed do not depend on the machine.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    missing_docs,
+    reason = "a benchmark may fail"
+)]
+
 #[path = "../../axioms/traces.rs"]
 mod traces;
 
