@@ -19,7 +19,9 @@ pub(super) fn read_events(input: &Path, visits: Option<&Path>) -> Result<Vec<Eve
              with the columns place,raw_scan_index",
             input.display()
         ))),
-        (false, Some(_)) => Err(Failure::Input(format!("{}: --visits goes with a log, not with a trace", input.display()))),
+        (false, Some(_)) => {
+            Err(Failure::Input(format!("{}: --visits goes with a log, not with a trace", input.display())))
+        }
         (false, None) => {
             let (events, error) = read_trace(open(input)?);
             error.map_or(Ok(events), |error| Err(Failure::input(input, error)))
@@ -47,7 +49,8 @@ pub(super) fn open(path: &Path) -> Result<Box<dyn BufRead>, Failure> {
     if path == Path::new("-") {
         return Ok(Box::new(io::stdin().lock()));
     }
-    let file = File::open(path).map_err(|error| Failure::input(path, format!("cannot be opened: {error}")))?;
+    let file =
+        File::open(path).map_err(|error| Failure::input(path, format!("cannot be opened: {error}")))?;
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
     Ok(match ending {
         "bz2" => Box::new(BufReader::new(MultiBzDecoder::new(file))),

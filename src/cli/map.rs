@@ -2,16 +2,16 @@
 
 use super::failure::Failure;
 use super::input::read_events;
-use crate::abduction::{Abduction, AxiomSet, Limits, Profile, Report, StopReason};
+use crate::abduction::{AxiomSet, Profile, Report, StopReason};
 use crate::export::{self, map_svg, map_text};
-use crate::star::PerceptionParameters;
-use crate::trace::experience::lpm_reader;
-use crate::trace::{Event, Experience, write_trace};
+use crate::service::{Limits, MapConfig, Session};
+use crate::trace::{Event, write_event};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::fs;
 use std::io::{Write, stdout};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Find all maps that explain a trace, and the simplest.
@@ -72,7 +72,7 @@ impl Map {
         let started = Instant::now();
         let events = read_events(&self.input, self.visits.as_deref())?;
         let axioms = self.axioms.unwrap_or_else(|| AxiomSet::of(self.profile.into()));
-        let report = self.explain(&events, axioms)?;
+        let (events, report) = self.explain(events, axioms)?;
         let mut wire = export::Report::new(&report, axioms);
         wire.seconds = Some(started.elapsed().as_secs_f64());
         if self.json {
@@ -86,23 +86,22 @@ impl Map {
         verdict(&report)
     }
 
-    fn explain(&self, events: &[Event], axioms: AxiomSet) -> Result<Report, Failure> {
-        let limit = usize::try_from(self.max_candidates).unwrap_or(usize::MAX);
-        let mut abduction = Abduction::new(axioms, Limits { max_candidates: Some(limit) });
-        let mut experience = Experience::new();
-        let parameters = PerceptionParameters::default();
+    fn explain(&self, events: Vec<Event>, axioms: AxiomSet) -> Result<(Vec<Arc<Event>>, Report), Failure> {
+        let max_candidates = usize::try_from(self.max_candidates).unwrap_or(usize::MAX);
+        // What one process reads for one user is bounded by the input itself.
+        let limits = Limits { events_per_map: usize::MAX, cells_per_map: usize::MAX, ..Limits::default() };
+        let mut session = Session::new(MapConfig { axioms, max_candidates }, limits);
         let bar = progress(events.len());
-        for event in events {
-            let at = |error: String| Failure::Input(format!("{}: event {}: {error}", self.input.display(), event.seq));
-            let sighting = experience.accept(event, &lpm_reader(&parameters)).map_err(|error| at(error.at().to_string()))?;
-            if let Some(sighting) = sighting {
-                abduction.observe(&sighting.visit()).map_err(|error| at(error.to_string()))?;
-                bar.set_message(format!("{} candidates", abduction.len()));
-            }
+        let events: Vec<Arc<Event>> = events.into_iter().map(Arc::new).collect();
+        for event in &events {
+            session.accept(event).map_err(|error| {
+                Failure::Input(format!("{}: event {}: {error}", self.input.display(), event.seq))
+            })?;
             bar.inc(1);
+            bar.set_message(format!("{} candidates", session.abduction().len()));
         }
         bar.finish_and_clear();
-        Ok(abduction.report())
+        Ok((events, session.abduction().report()))
     }
 }
 
@@ -130,7 +129,8 @@ fn in_words(report: &Report, wire: &export::Report) -> String {
     let counts: Vec<String> = wire.candidates_per_observation.iter().map(u64::to_string).collect();
     text += &counts.join(" ");
     text += &format!("\nmaps created {}, refuted", wire.maps_created);
-    let refuted: Vec<String> = wire.refuted.iter().map(|(axiom, count)| format!(" {axiom} {count}")).collect();
+    let refuted: Vec<String> =
+        wire.refuted.iter().map(|(axiom, count)| format!(" {axiom} {count}")).collect();
     text += &refuted.join(",");
     text += "\n\n";
     let Some(candidate) = report.minimal.first() else {
@@ -139,7 +139,11 @@ fn in_words(report: &Report, wire: &export::Report) -> String {
     text += &headline(wire);
     text += "\n";
     text += &map_text(candidate);
-    let rivals = report.minimal.iter().skip(1).map(|rival| format!("as simple: visits {}\n", numbers(&rival.places())));
+    let rivals = report
+        .minimal
+        .iter()
+        .skip(1)
+        .map(|rival| format!("as simple: visits {}\n", numbers(&rival.places())));
     text + &rivals.collect::<String>()
 }
 
@@ -150,7 +154,11 @@ pub(super) fn headline(wire: &export::Report) -> String {
         export::Relation::Eq => format!("1 of {} possible", wire.candidates.value),
         export::Relation::Gte => format!("1 of at least {} possible", wire.candidates.value),
     };
-    let ties = if preferred.unique { "the only one as simple".into() } else { format!("{} as simple", wire.minimal.len()) };
+    let ties = if preferred.unique {
+        "the only one as simple".into()
+    } else {
+        format!("{} as simple", wire.minimal.len())
+    };
     let proof = if preferred.proven { "proven" } else { "not proven" };
     format!("preferred map: {count}, {ties}, {proof}")
 }
@@ -163,14 +171,19 @@ fn json(report: &export::Report) -> Result<String, Failure> {
     serde_json::to_string_pretty(report).map_err(|error| Failure::Broken(error.to_string()))
 }
 
-fn write_files(folder: &Path, events: &[Event], report: &Report, wire: &export::Report) -> Result<(), Failure> {
+fn write_files(
+    folder: &Path,
+    events: &[Arc<Event>],
+    report: &Report,
+    wire: &export::Report,
+) -> Result<(), Failure> {
     fs::create_dir_all(folder).map_err(|error| Failure::writing(folder, error))?;
     let write = |name: &str, content: &[u8]| {
         let file = folder.join(name);
         fs::write(&file, content).map_err(|error| Failure::writing(&file, error))
     };
     let mut trace = Vec::new();
-    write_trace(&mut trace, events)?;
+    events.iter().try_for_each(|event| write_event(&mut trace, event))?;
     write("trace.ndjson", &trace)?;
     write("report.json", json(wire)?.as_bytes())?;
     if let Some(candidate) = report.minimal.first() {

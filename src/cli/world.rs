@@ -52,7 +52,8 @@ impl World {
 /// A bundled world by name.
 pub(super) fn load(name: &str) -> Result<worlds::World, Failure> {
     let known = || worlds::names().collect::<Vec<_>>().join(", ");
-    let world = worlds::bundled(name)
-        .ok_or_else(|| Failure::Broken(format!("there is no bundled world `{name}`; there are {}", known())))?;
+    let world = worlds::bundled(name).ok_or_else(|| {
+        Failure::Broken(format!("there is no bundled world `{name}`; there are {}", known()))
+    })?;
     world.map_err(|error| Failure::Broken(error.to_string()))
 }

@@ -33,7 +33,9 @@ async fn pages_list_every_candidate_once_and_in_order() {
 async fn a_wrong_page_is_refused() {
     let client = Client::new();
     client.with_aces("aces", "").await;
-    for query in ["limit=0", "limit=1001", "limit=-1", "limit=x", "cursor=%21", "cursor=MTA", "order=up", "limit=%FF"] {
+    for query in
+        ["limit=0", "limit=1001", "limit=-1", "limit=x", "cursor=%21", "cursor=MTA", "order=up", "limit=%FF"]
+    {
         client.get(&format!("/v1/maps/aces/candidates?{query}")).await.problem(400, "invalid-query");
     }
 }

@@ -46,13 +46,7 @@ impl Client {
         Answer { status: parts.status, headers: parts.headers, body }
     }
 
-    pub(super) async fn call(
-        &self,
-        method: Method,
-        path: &str,
-        kind: &str,
-        body: impl Into<Body>,
-    ) -> Answer {
+    pub(super) async fn call(&self, method: Method, path: &str, kind: &str, body: impl Into<Body>) -> Answer {
         let request = Request::builder().method(method).uri(path).header(header::CONTENT_TYPE, kind);
         self.send(request.body(body.into()).unwrap()).await
     }

@@ -6,7 +6,8 @@ use axum::http::Method;
 use futures_util::stream;
 use serde_json::{Value, json};
 
-const READS: [&str; 4] = ["", "/candidates?limit=1000", "/candidates/preferred", "/candidates/preferred/graph"];
+const READS: [&str; 4] =
+    ["", "/candidates?limit=1000", "/candidates/preferred", "/candidates/preferred/graph"];
 
 /// All that can be read of a map.
 async fn state(client: &Client, map: &str) -> Vec<Bytes> {
@@ -91,7 +92,8 @@ async fn another_event_under_a_taken_number_is_a_conflict() {
     let (client, lines) = (Client::new(), aces_lines());
     client.with_aces("aces", "").await;
     let before = state(&client, "aces").await;
-    let problem = client.post("aces", JSON, r#"{"seq":0,"kind":"travel"}"#).await.problem(409, "event-conflict");
+    let problem =
+        client.post("aces", JSON, r#"{"seq":0,"kind":"travel"}"#).await.problem(409, "event-conflict");
     assert_eq!((&problem["seq"], &problem["accepted_through"]), (&json!(0), &json!(lines.len() - 1)));
     assert_eq!(state(&client, "aces").await, before);
 }
@@ -106,7 +108,10 @@ async fn a_gap_names_the_event_expected() {
     let body = [&lines[0], &lines[1], &lines[3]].map(|line| line.as_str()).join("\n");
     let problem = client.post("aces", NDJSON, body).await.problem(409, "sequence-gap");
     assert_eq!((&problem["expected"], &problem["line"]), (&json!(2), &json!(3)));
-    assert_eq!((&problem["accepted_through"], &problem["detail"]), (&json!(1), &json!("the event has seq 3, expected 2; send again from 2")));
+    assert_eq!(
+        (&problem["accepted_through"], &problem["detail"]),
+        (&json!(1), &json!("the event has seq 3, expected 2; send again from 2"))
+    );
 }
 
 #[tokio::test]

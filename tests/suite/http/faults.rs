@@ -8,7 +8,9 @@ use topostar::service::Limits;
 #[tokio::test]
 async fn unknown_resources() {
     let client = Client::new();
-    for path in ["/", "/v2/maps", "/v1/maps", "/v1/maps/", "/v1/maps/a/b", "/v1/maps/a/candidates/3", "/livez/"] {
+    for path in
+        ["/", "/v2/maps", "/v1/maps", "/v1/maps/", "/v1/maps/a/b", "/v1/maps/a/candidates/3", "/livez/"]
+    {
         assert_eq!(client.get(path).await.problem(404, "unknown-resource")["instance"], path);
     }
 }
@@ -92,8 +94,14 @@ async fn candidates_beyond_their_bound_are_counted_as_at_least() {
     client.with_aces("aces", r#"{"profile":"paper","max_candidates":5}"#).await;
     let map = client.get("/v1/maps/aces").await.json();
     assert_eq!(map["candidates"], serde_json::json!({"value": 5, "relation": "gte"}));
-    assert_eq!((map["complete"].as_bool(), map["stop_reason"].as_str()), (Some(false), Some("candidate-limit")));
-    assert_eq!((map["preferred"]["unique"].as_bool(), map["preferred"]["proven"].as_bool()), (Some(false), Some(false)));
+    assert_eq!(
+        (map["complete"].as_bool(), map["stop_reason"].as_str()),
+        (Some(false), Some("candidate-limit"))
+    );
+    assert_eq!(
+        (map["preferred"]["unique"].as_bool(), map["preferred"]["proven"].as_bool()),
+        (Some(false), Some(false))
+    );
 }
 
 #[tokio::test]

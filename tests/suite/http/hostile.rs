@@ -35,7 +35,11 @@ async fn huge_numbers() {
     let client = fresh().await;
     for seq in ["-1", "1e999", "18446744073709551616", "0.5", "1e0", "\"0\"", "null"] {
         let event = format!(r#"{{"seq":{seq},"kind":"travel"}}"#);
-        assert_eq!(client.post("a", JSON, event).await.problem(422, "malformed-event")["pointer"], "/seq", "{seq}");
+        assert_eq!(
+            client.post("a", JSON, event).await.problem(422, "malformed-event")["pointer"],
+            "/seq",
+            "{seq}"
+        );
     }
     let far = r#"{"seq":18446744073709551615,"kind":"travel"}"#;
     client.post("a", JSON, far).await.problem(409, "sequence-gap");
@@ -68,7 +72,10 @@ async fn truncated_and_empty_bodies() {
     }
     for body in ["", "\n\n \r\n"] {
         let receipt = client.post("a", NDJSON, body).await.json();
-        assert_eq!((&receipt["accepted"], receipt["accepted_through"].is_null()), (&serde_json::json!(0), true));
+        assert_eq!(
+            (&receipt["accepted"], receipt["accepted_through"].is_null()),
+            (&serde_json::json!(0), true)
+        );
     }
     for body in ["null", "3", "\"x\"", "[null]", "{}"] {
         client.post("a", JSON, body).await.problem(422, "malformed-event");

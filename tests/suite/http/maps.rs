@@ -102,7 +102,10 @@ async fn an_unchanged_map_is_not_sent_again() {
 async fn the_process_says_that_it_lives_and_what_it_offers() {
     let client = Client::new();
     assert_eq!(client.get("/livez").await.status, 200);
-    assert_eq!(client.get("/openapi.json").await.json(), serde_json::to_value(topostar::service::openapi()).unwrap());
+    assert_eq!(
+        client.get("/openapi.json").await.json(),
+        serde_json::to_value(topostar::service::openapi()).unwrap()
+    );
     let head = Request::builder().method(Method::HEAD).uri("/livez").body(Body::empty()).unwrap();
     assert_eq!(client.send(head).await.status, 200);
 }

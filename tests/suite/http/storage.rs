@@ -48,7 +48,8 @@ impl Store for Failing {
     }
 
     fn append(&self, map: &MapName, events: &[Arc<Event>]) -> Result<(), StoreError> {
-        let fails = self.failures.fetch_update(Ordering::SeqCst, Ordering::SeqCst, |n| n.checked_sub(1)).is_ok();
+        let fails =
+            self.failures.fetch_update(Ordering::SeqCst, Ordering::SeqCst, |n| n.checked_sub(1)).is_ok();
         match fails {
             true if self.panics => panic!("the store is told to"),
             true => Err(StoreError::Failed("the disk is full".into())),
