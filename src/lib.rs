@@ -19,3 +19,4 @@ pub mod map;
 pub mod abduction;
 pub mod export;
 pub mod service;
+pub mod cli;

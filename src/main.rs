@@ -1,2 +1,7 @@
-//! cli
-fn main() {}
+//! The command line of Topostar; see `topostar --help`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    topostar::cli::run()
+}

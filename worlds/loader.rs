@@ -1,8 +1,12 @@
 //! World files to worlds: everything is checked, and what is wrong is named by file and field.
 
-use crate::geometry::{Point, clockwise_from};
+use crate::geometry::{Point, clockwise_from, direction};
 use crate::star::{ControlLaw, SlotIndex};
-use crate::worlds::format::{WireControl, WireExpectation, WirePlace, WireSlot, WireTruth, WireWalk, WireWorld};
+use crate::worlds::drawing::Drawing;
+use crate::worlds::format::{
+    WireControl, WireExpectation, WirePlace, WireSlot, WireTruth, WireWalk, WireWorld,
+};
+use crate::worlds::shapes::read_drawing;
 use crate::worlds::world::{Exit, Expectation, Minimal, Place, PlaceSlot, SlotRef, Truth, Walk, World};
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
@@ -53,12 +57,15 @@ fn read(name: &str, text: &str) -> Result<World, Fault> {
         .map(|(index, place)| read_place(&wire.place, index, place))
         .collect::<Result<Vec<_>, _>>()?;
     check_far_ends(&places)?;
+    let drawing = read_drawing(&wire.drawing).map_err(|(field, message)| Fault { field, message })?;
+    check_open(&drawing, &places)?;
     let walk = read_walk(&places, &wire.walk)?;
     let visits = walk.leave.len() + 1;
     Ok(World {
         name: name.into(),
         title: wire.title.trim().into(),
         story: wire.story.trim().into(),
+        drawing,
         places,
         walk,
         paper: read_expectation("expect.paper", visits, wire.expect.paper)?,
@@ -157,7 +164,8 @@ fn read_exit(places: &[WirePlace], wire: &WireSlot, field: &str) -> Result<Exit,
                 let slot = places[at].slots.iter().position(|s| s.name == slot)?;
                 Some(SlotRef { place: at, slot: SlotIndex(u8::try_from(slot).ok()?) })
             });
-            let message = || format!("is \"{far}\", expected \"open\" or the PLACE.slot of a place of this file");
+            let message =
+                || format!("is \"{far}\", expected \"open\" or the PLACE.slot of a place of this file");
             found.map(Exit::To).ok_or_else(|| Fault { field: format!("{field}.out"), message: message() })
         }
     }
@@ -212,6 +220,26 @@ fn check_far_ends(places: &[Place]) -> Result<(), Fault> {
     Ok(())
 }
 
+/// Every place and all its gateways must be where the robot can be.
+fn check_open(drawing: &Drawing, places: &[Place]) -> Result<(), Fault> {
+    for (p, place) in places.iter().enumerate() {
+        if !drawing.contains(&place.at) {
+            return fault(format!("place[{p}].at"), "is not in the open, expected a point of an open shape");
+        }
+        for (s, slot) in place.slots.iter().enumerate() {
+            let gateway = place.at + direction(slot.bearing) * slot.reach;
+            if slot.exit != Exit::Closed && !drawing.contains(&gateway) {
+                let field = format!("place[{p}].slots[{s}].bearing");
+                return fault(
+                    field,
+                    "points at a wall, expected the gateway `reach` metres away in the open",
+                );
+            }
+        }
+    }
+    Ok(())
+}
+
 fn read_walk(places: &[Place], wire: &WireWalk) -> Result<Walk, Fault> {
     let start = wire.start.split_once('.').and_then(|(place, slot)| {
         let at = places.iter().position(|p| p.name == place)?;
@@ -244,7 +272,8 @@ fn slot_named(place: &Place, name: &str) -> Option<SlotIndex> {
 
 fn read_expectation(field: &str, visits: usize, wire: WireExpectation) -> Result<Expectation, Fault> {
     if wire.candidates.len() != visits {
-        let message = format!("has {} counts, expected one for each of {visits} visits", wire.candidates.len());
+        let message =
+            format!("has {} counts, expected one for each of {visits} visits", wire.candidates.len());
         return fault(format!("{field}.candidates"), message);
     }
     let truth = match wire.truth {
@@ -256,8 +285,7 @@ fn read_expectation(field: &str, visits: usize, wire: WireExpectation) -> Result
         }
         WireTruth::Refuted { axiom, observation } => Truth::Refuted { axiom, observation },
     };
-    let minimal =
-        Minimal { paths: wire.minimal.paths, places: wire.minimal.places, ties: wire.minimal.ties };
+    let minimal = Minimal { paths: wire.minimal.paths, places: wire.minimal.places, ties: wire.minimal.ties };
     Ok(Expectation { candidates: wire.candidates, created: wire.created, minimal, truth })
 }
 

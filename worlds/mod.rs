@@ -6,12 +6,15 @@
 
 mod format;
 mod random;
+mod shapes;
 pub mod drawing;
 pub mod loader;
+pub mod rendering;
 pub mod simulator;
 pub mod world;
 
 pub use loader::{WorldError, load};
+pub use rendering::{LpmTrace, lpm_trace};
 pub use simulator::{StarTrace, star_trace};
 pub use world::{Exit, Expectation, Minimal, Place, PlaceSlot, SlotRef, Truth, Visit, Walk, World};
 

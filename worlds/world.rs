@@ -2,6 +2,7 @@
 
 use crate::geometry::Point;
 use crate::star::{ControlLaw, Direction, FragmentId, GatewayId, Slot, SlotIndex, SmallScaleStar, StarError};
+use crate::worlds::drawing::Drawing;
 use std::collections::BTreeMap;
 
 /// A true world with a walk through it.
@@ -13,6 +14,8 @@ pub struct World {
     pub title: String,
     /// What is special about it.
     pub story: String,
+    /// What is open and what is solid, world frame.
+    pub drawing: Drawing,
     /// Its places, in the order of the file.
     pub places: Vec<Place>,
     /// The walk.

@@ -5,8 +5,14 @@
 
 mod graph;
 mod report;
-pub mod extraction_svg;
+mod extraction_svg;
+mod layout;
+mod map_svg;
+mod map_text;
 
 pub use extraction_svg::extraction_svg;
 pub use graph::{GraphDstate, GraphGateway, GraphPath, GraphPlace, GraphSegment, MapGraph};
+pub use layout::Layout;
+pub use map_svg::map_svg;
+pub use map_text::map_text;
 pub use report::{Count, Extinction, Preferred, Relation, Report, StopReason, Strategy, profile_name};

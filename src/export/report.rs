@@ -12,11 +12,11 @@ pub struct Report {
     pub version: u32,
     /// How many candidates explain all observations.
     pub candidates: Count,
-    /// How many candidates explained the observations up to each.
-    pub candidates_per_observation: Vec<Count>,
-    /// How many maps were made in the search.
-    pub maps_created: Count,
-    /// How many candidates each axiom refuted, by the name of the axiom.
+    /// How many candidates explained the observations up to each; where `complete` is false, at least as many.
+    pub candidates_per_observation: Vec<u64>,
+    /// How many maps were made in the search; where `complete` is false, at least as many.
+    pub maps_created: u64,
+    /// How many candidates each axiom refuted, by the name of the axiom; all axioms held are named.
     pub refuted: BTreeMap<&'static str, u64>,
     /// How the candidates were searched.
     pub strategy: Strategy,
@@ -111,9 +111,13 @@ impl Report {
         Report {
             version: 1,
             candidates: found.candidates.into(),
-            candidates_per_observation: found.candidates_per_observation.iter().map(|&c| c.into()).collect(),
-            maps_created: found.maps_created.into(),
-            refuted: found.refuted.iter().map(|(axiom, count)| (axiom.name(), count)).collect(),
+            candidates_per_observation: found
+                .candidates_per_observation
+                .iter()
+                .map(|count| count.value)
+                .collect(),
+            maps_created: found.maps_created.value,
+            refuted: refuted(found, axioms),
             strategy: Strategy::BreadthFirst,
             profile: profile_name(axioms),
             axioms: axioms.iter().map(|axiom| axiom.name).collect(),
@@ -170,6 +174,11 @@ impl From<abduction::Count> for Count {
         };
         Count { value: count.value, relation }
     }
+}
+
+fn refuted(found: &abduction::Report, axioms: AxiomSet) -> BTreeMap<&'static str, u64> {
+    let none = axioms.iter().map(|axiom| (axiom.name, 0));
+    none.chain(found.refuted.iter().map(|(axiom, count)| (axiom.name(), count))).collect()
 }
 
 /// The name of the profile that holds exactly these axioms, or `custom`.

@@ -62,7 +62,11 @@ fn heading(way: &Way, at: usize, parameters: &GatewayParameters) -> Option<Vecto
     let length = parameters.direction_length;
     let (near, far) = (way.ahead(at, 0.5 * length), way.ahead(at, 1.25 * length));
     let straight = way.arc[far] - way.arc[near] >= 0.25 * length;
-    if straight { way.direction(near, far) } else { way.direction(at.min(way.ahead(0, way.arc[far] - length)), far) }
+    if straight {
+        way.direction(near, far)
+    } else {
+        way.direction(at.min(way.ahead(0, way.arc[far] - length)), far)
+    }
 }
 
 /// Whether the way does not narrow any further within sight.

@@ -48,7 +48,12 @@ fn on_edge(info: &GridInfo, i: usize) -> bool {
 }
 
 /// Connected patches of the chosen cells, each in the order of the flood from its first cell.
-fn patches(info: &GridInfo, cells: &[Cell], diagonal: bool, chosen: impl Fn(Cell) -> bool) -> Vec<Vec<usize>> {
+fn patches(
+    info: &GridInfo,
+    cells: &[Cell],
+    diagonal: bool,
+    chosen: impl Fn(Cell) -> bool,
+) -> Vec<Vec<usize>> {
     let mut open: Vec<bool> = cells.iter().map(|&cell| chosen(cell)).collect();
     let mut patches = Vec::new();
     for start in 0..cells.len() {
@@ -99,7 +104,8 @@ mod tests {
 
     #[test]
     fn strays_and_specks_vanish_and_walls_stay() {
-        let found = cleaned(&["########", "#......#", "#.#..??#", "#.....?#", "#.##...#", "#.##...#", "########"]);
+        let found =
+            cleaned(&["########", "#......#", "#.#..??#", "#.....?#", "#.##...#", "#.##...#", "########"]);
         let wanted = ["########", "#......#", "#....??#", "#.....?#", "#.##...#", "#.##...#", "########"];
         assert_eq!(found, wanted);
     }

@@ -32,7 +32,8 @@ fn check(world: &World, expected: &Expectation, report: &Report) {
         report.candidates_per_observation.iter().map(|count| count.value as usize).collect();
     assert_eq!(counts, expected.candidates, "{}", world.name);
     let simplicity = report.simplicity.unwrap();
-    let found = (simplicity.paths, simplicity.places, report.minimal.len(), report.maps_created.value as usize);
+    let found =
+        (simplicity.paths, simplicity.places, report.minimal.len(), report.maps_created.value as usize);
     let minimal = expected.minimal;
     assert_eq!(found, (minimal.paths, minimal.places, minimal.ties, expected.created), "{}", world.name);
     assert!(report.proven && report.complete);

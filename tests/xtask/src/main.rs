@@ -84,7 +84,11 @@ impl Step {
         command.args(self.arguments).envs(self.environment.iter().copied());
         println!("$ cargo {}", self.arguments.join(" "));
         let status = command.status().map_err(|e| format!("cargo cannot be started: {e}"))?;
-        if status.success() { Ok(()) } else { Err(format!("cargo {} ended with {status}", self.arguments[0])) }
+        if status.success() {
+            Ok(())
+        } else {
+            Err(format!("cargo {} ended with {status}", self.arguments[0]))
+        }
     }
 
     fn install_component(&self) -> Result<(), String> {
@@ -98,7 +102,9 @@ impl Step {
         if added.is_ok_and(|status| status.success()) {
             return Ok(());
         }
-        Err(format!("{component} is missing and rustup could not add it; install it by `rustup component add {component}`"))
+        Err(format!(
+            "{component} is missing and rustup could not add it; install it by `rustup component add {component}`"
+        ))
     }
 }
 

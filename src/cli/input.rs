@@ -1,0 +1,60 @@
+//! Input files: traces and recorded logs, plain or compressed, or standard input.
+
+use super::failure::Failure;
+use crate::sensor::CarmenLog;
+use crate::trace::recording::{Arrival, RecordingParameters, cut};
+use crate::trace::{Event, read_trace};
+use bzip2::read::MultiBzDecoder;
+use flate2::read::MultiGzDecoder;
+use std::fs::File;
+use std::io::{self, BufRead, BufReader};
+use std::path::Path;
+
+/// The events of an input: a trace, or a CARMEN log with the arrivals in it.
+pub(super) fn read_events(input: &Path, visits: Option<&Path>) -> Result<Vec<Event>, Failure> {
+    match (is_log(input), visits) {
+        (true, Some(visits)) => read_log(input, visits),
+        (true, None) => Err(Failure::Input(format!(
+            "{}: is a log, and places are not yet found in it by themselves; name the arrivals by --visits FILE.csv \
+             with the columns place,raw_scan_index",
+            input.display()
+        ))),
+        (false, Some(_)) => {
+            Err(Failure::Input(format!("{}: --visits goes with a log, not with a trace", input.display())))
+        }
+        (false, None) => {
+            let (events, error) = read_trace(open(input)?);
+            error.map_or(Ok(events), |error| Err(Failure::input(input, error)))
+        }
+    }
+}
+
+/// Whether a file name is that of a CARMEN log.
+fn is_log(input: &Path) -> bool {
+    let name = input.to_string_lossy();
+    let plain = name.trim_end_matches(".bz2").trim_end_matches(".gz");
+    plain.ends_with(".clf") || plain.ends_with(".log")
+}
+
+fn read_log(input: &Path, visits: &Path) -> Result<Vec<Event>, Failure> {
+    let log = CarmenLog::read(open(input)?).map_err(|error| Failure::input(input, error))?;
+    eprintln!("{}: {} scans, {} other lines passed over", input.display(), log.scans.len(), log.skipped);
+    let text = io::read_to_string(open(visits)?).map_err(|error| Failure::input(visits, error))?;
+    let arrivals = Arrival::read_csv(&text).map_err(|error| Failure::input(visits, error))?;
+    cut(&log.scans, &arrivals, &RecordingParameters::default()).map_err(|error| Failure::input(visits, error))
+}
+
+/// A file, decompressed by its ending; `-` is standard input.
+pub(super) fn open(path: &Path) -> Result<Box<dyn BufRead>, Failure> {
+    if path == Path::new("-") {
+        return Ok(Box::new(io::stdin().lock()));
+    }
+    let file =
+        File::open(path).map_err(|error| Failure::input(path, format!("cannot be opened: {error}")))?;
+    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
+    Ok(match ending {
+        "bz2" => Box::new(BufReader::new(MultiBzDecoder::new(file))),
+        "gz" => Box::new(BufReader::new(MultiGzDecoder::new(file))),
+        _ => Box::new(BufReader::new(file)),
+    })
+}

@@ -1,0 +1,212 @@
+//! `topostar map`: a trace in, the preferred map and the number of maps still possible out.
+
+use super::failure::Failure;
+use super::input::read_events;
+use crate::abduction::{AxiomSet, Profile, Report, StopReason};
+use crate::export::{self, map_svg, map_text};
+use crate::service::{Limits, MapConfig, Session};
+use crate::trace::{Event, write_event};
+use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::fs;
+use std::io::{Write, stdout};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Find all maps that explain a trace, and the simplest.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  topostar map trace.ndjson                         the preferred map in words
+  topostar map trace.ndjson --profile paper --json  the report for machines
+  topostar map run.clf.bz2 --visits arrivals.csv -o out/
+                                                    LPMs cut from a log at known arrivals; writes the trace and
+                                                    pictures")]
+pub(super) struct Map {
+    /// A trace (.ndjson), a CARMEN log (.clf or .log, also .gz and .bz2) with --visits, or - for standard input.
+    input: PathBuf,
+    /// The arrivals in a log: CSV with the columns place,raw_scan_index.
+    #[arg(long, value_name = "CSV")]
+    visits: Option<PathBuf>,
+    /// A choice of axioms.
+    #[arg(long, value_enum, default_value_t = ProfileName::Default)]
+    profile: ProfileName,
+    /// Exactly these axioms in place of a profile, names with commas between.
+    #[arg(long, conflicts_with = "profile")]
+    axioms: Option<AxiomSet>,
+    /// How candidates are searched.
+    #[arg(long, value_enum, default_value_t = StrategyName::BreadthFirst)]
+    strategy: StrategyName,
+    /// The most candidates kept after an observation, the simplest ones; counts say when this cut the search.
+    #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
+    max_candidates: u64,
+    /// Print the report as one JSON object.
+    #[arg(long)]
+    json: bool,
+    /// Write trace.ndjson, report.json, map.txt and map.svg there.
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum ProfileName {
+    /// The axioms of Beeson et al. 2003.
+    Paper,
+    /// With planarity.
+    Default,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum StrategyName {
+    /// All candidates, one observation after the other: exhaustive.
+    BreadthFirst,
+}
+
+impl Map {
+    pub(super) fn run(self) -> Result<(), Failure> {
+        // Exhaustive search is the only one there is so far; the match makes the next one be thought of here.
+        match self.strategy {
+            StrategyName::BreadthFirst => {}
+        }
+        let started = Instant::now();
+        let events = read_events(&self.input, self.visits.as_deref())?;
+        let axioms = self.axioms.unwrap_or_else(|| AxiomSet::of(self.profile.into()));
+        let (events, report) = self.explain(events, axioms)?;
+        let mut wire = export::Report::new(&report, axioms);
+        wire.seconds = Some(started.elapsed().as_secs_f64());
+        if self.json {
+            writeln!(stdout(), "{}", json(&wire)?)?;
+        } else {
+            write!(stdout(), "{}", in_words(&report, &wire))?;
+        }
+        if let Some(folder) = &self.output {
+            write_files(folder, &events, &report, &wire)?;
+        }
+        verdict(&report)
+    }
+
+    fn explain(&self, events: Vec<Event>, axioms: AxiomSet) -> Result<(Vec<Arc<Event>>, Report), Failure> {
+        let max_candidates = usize::try_from(self.max_candidates).unwrap_or(usize::MAX);
+        // What one process reads for one user is bounded by the input itself.
+        let limits = Limits { events_per_map: usize::MAX, cells_per_map: usize::MAX, ..Limits::default() };
+        let mut session = Session::new(MapConfig { axioms, max_candidates }, limits);
+        let bar = progress(events.len());
+        let events: Vec<Arc<Event>> = events.into_iter().map(Arc::new).collect();
+        for event in &events {
+            session.accept(event).map_err(|error| {
+                Failure::Input(format!("{}: event {}: {error}", self.input.display(), event.seq))
+            })?;
+            bar.inc(1);
+            bar.set_message(format!("{} candidates", session.abduction().len()));
+        }
+        bar.finish_and_clear();
+        Ok((events, session.abduction().report()))
+    }
+}
+
+impl From<ProfileName> for Profile {
+    fn from(name: ProfileName) -> Profile {
+        match name {
+            ProfileName::Paper => Profile::Paper,
+            ProfileName::Default => Profile::Default,
+        }
+    }
+}
+
+/// A bar on standard error, which draws itself on a terminal only.
+fn progress(events: usize) -> ProgressBar {
+    let bar = ProgressBar::new(events as u64);
+    if let Ok(style) = ProgressStyle::with_template("{bar:30} event {pos}/{len}  {msg}") {
+        bar.set_style(style);
+    }
+    bar
+}
+
+/// The report in words.
+fn in_words(report: &Report, wire: &export::Report) -> String {
+    let mut text = String::from("candidates after each observation  ");
+    let counts: Vec<String> = wire.candidates_per_observation.iter().map(u64::to_string).collect();
+    text += &counts.join(" ");
+    text += &format!("\nmaps created {}, refuted", wire.maps_created);
+    let refuted: Vec<String> =
+        wire.refuted.iter().map(|(axiom, count)| format!(" {axiom} {count}")).collect();
+    text += &refuted.join(",");
+    text += "\n\n";
+    let Some(candidate) = report.minimal.first() else {
+        return text + "no map\n";
+    };
+    text += &headline(wire);
+    text += "\n";
+    text += &map_text(candidate);
+    let rivals = report
+        .minimal
+        .iter()
+        .skip(1)
+        .map(|rival| format!("as simple: visits {}\n", numbers(&rival.places())));
+    text + &rivals.collect::<String>()
+}
+
+/// What is known of the preferred map, in one line.
+pub(super) fn headline(wire: &export::Report) -> String {
+    let Some(preferred) = &wire.preferred else { return "no map".into() };
+    let count = match wire.candidates.relation {
+        export::Relation::Eq => format!("1 of {} possible", wire.candidates.value),
+        export::Relation::Gte => format!("1 of at least {} possible", wire.candidates.value),
+    };
+    let ties = if preferred.unique {
+        "the only one as simple".into()
+    } else {
+        format!("{} as simple", wire.minimal.len())
+    };
+    let proof = if preferred.proven { "proven" } else { "not proven" };
+    format!("preferred map: {count}, {ties}, {proof}")
+}
+
+fn numbers(places: &[usize]) -> String {
+    places.iter().map(usize::to_string).collect::<Vec<_>>().join(" ")
+}
+
+fn json(report: &export::Report) -> Result<String, Failure> {
+    serde_json::to_string_pretty(report).map_err(|error| Failure::Broken(error.to_string()))
+}
+
+fn write_files(
+    folder: &Path,
+    events: &[Arc<Event>],
+    report: &Report,
+    wire: &export::Report,
+) -> Result<(), Failure> {
+    fs::create_dir_all(folder).map_err(|error| Failure::writing(folder, error))?;
+    let write = |name: &str, content: &[u8]| {
+        let file = folder.join(name);
+        fs::write(&file, content).map_err(|error| Failure::writing(&file, error))
+    };
+    let mut trace = Vec::new();
+    events.iter().try_for_each(|event| write_event(&mut trace, event))?;
+    write("trace.ndjson", &trace)?;
+    write("report.json", json(wire)?.as_bytes())?;
+    if let Some(candidate) = report.minimal.first() {
+        write("map.txt", map_text(candidate).as_bytes())?;
+        write("map.svg", map_svg(candidate, "Preferred map", &headline(wire)).as_bytes())?;
+    }
+    eprintln!("written to {}", folder.display());
+    Ok(())
+}
+
+fn verdict(report: &Report) -> Result<(), Failure> {
+    match report.stop_reason {
+        StopReason::Exhausted => Ok(()),
+        StopReason::CandidateLimit { observation } => Err(Failure::Limit(format!(
+            "--max-candidates cut the search at observation {observation}: counts from there on are lower bounds"
+        ))),
+        StopReason::Inconsistent { observation } => {
+            let axioms = report.extinction.iter().flat_map(|end| &end.axioms).map(|axiom| axiom.name());
+            let axioms: Vec<&str> = axioms.collect();
+            Err(Failure::NoMap(format!(
+                "no consistent map: nothing explains observation {observation}; refuted by {}",
+                axioms.join(", ")
+            )))
+        }
+    }
+}

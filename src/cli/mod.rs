@@ -1,0 +1,46 @@
+//! The command line: verbs over the library and the service.
+//!
+//! Data goes to standard output, progress and diagnostics to standard error; progress bars only to a terminal.
+
+mod failure;
+mod input;
+mod map;
+mod serve;
+mod world;
+
+use clap::{Parser, Subcommand};
+use failure::Failure;
+use std::process::ExitCode;
+
+/// Topological maps from what a robot saw at places and did between them: the map that explains it best, the
+/// exact number of maps still possible, and why the others were refuted.
+#[derive(Debug, Parser)]
+#[command(name = "topostar", version, arg_required_else_help = true, after_help = EXIT_CODES)]
+struct Cli {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+const EXIT_CODES: &str = "\
+Exit codes: 0 ok, 1 failure, 2 usage, 3 bad input (with file and line), 4 no consistent map (with the axioms), \
+5 limit hit, partial result";
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    /// Find all maps that explain a trace, and the simplest.
+    Map(map::Map),
+    /// Run the HTTP service.
+    Serve(serve::Serve),
+    /// Write the trace of a bundled world, or list the worlds.
+    World(world::World),
+}
+
+/// Runs the verb that the process was called with.
+pub fn run() -> ExitCode {
+    let outcome = match Cli::parse().verb {
+        Verb::Map(verb) => verb.run(),
+        Verb::Serve(verb) => verb.run(),
+        Verb::World(verb) => verb.run(),
+    };
+    outcome.map_or_else(|failure: Failure| failure.report(), |()| ExitCode::SUCCESS)
+}

@@ -1,0 +1,59 @@
+//! `topostar world`: the bundled worlds and the traces of walks through them.
+
+use super::failure::Failure;
+use crate::trace::write_trace;
+use crate::worlds::{self, lpm_trace, star_trace};
+use clap::Args;
+use std::io::{BufWriter, Write, stdout};
+
+/// Write the trace of a bundled world, or list the worlds.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  topostar world                                  the names of the bundled worlds
+  topostar world office | topostar map -          a walk as grids, mapped
+  topostar world office --stars > office.ndjson   the same walk as bare stars")]
+pub(super) struct World {
+    /// Name of the world; left out, the names are listed.
+    name: Option<String>,
+    /// Bare stars in place of grids.
+    #[arg(long)]
+    stars: bool,
+    /// Draws where each grid lies in its frame, and the noise of the odometry.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Side of a grid cell, metres.
+    #[arg(long, default_value_t = 0.05)]
+    resolution: f64,
+}
+
+impl World {
+    pub(super) fn run(self) -> Result<(), Failure> {
+        let mut out = BufWriter::new(stdout().lock());
+        let Some(name) = self.name else {
+            for name in worlds::names() {
+                let world = load(name)?;
+                writeln!(out, "{name:14} {}", world.title)?;
+            }
+            return Ok(out.flush()?);
+        };
+        let world = load(&name)?;
+        let events = if self.stars {
+            star_trace(&world, None).map_err(|error| Failure::Broken(error.to_string()))?.events
+        } else {
+            let trace = lpm_trace(&world, self.seed, self.resolution);
+            trace.map_err(|error| Failure::Broken(format!("--resolution: {error}")))?.events
+        };
+        write_trace(&mut out, &events)?;
+        Ok(out.flush()?)
+    }
+}
+
+/// A bundled world by name.
+pub(super) fn load(name: &str) -> Result<worlds::World, Failure> {
+    let known = || worlds::names().collect::<Vec<_>>().join(", ");
+    let world = worlds::bundled(name).ok_or_else(|| {
+        Failure::Broken(format!("there is no bundled world `{name}`; there are {}", known()))
+    })?;
+    world.map_err(|error| Failure::Broken(error.to_string()))
+}
