@@ -9,11 +9,13 @@ mod random;
 mod shapes;
 pub mod drawing;
 pub mod loader;
+pub mod picture;
 pub mod rendering;
 pub mod simulator;
 pub mod world;
 
 pub use loader::{WorldError, load};
+pub use picture::picture;
 pub use rendering::{LpmTrace, lpm_trace};
 pub use simulator::{StarTrace, star_trace};
 pub use world::{Exit, Expectation, Minimal, Place, PlaceSlot, SlotRef, Truth, Visit, Walk, World};
