@@ -3,3 +3,4 @@
 mod traces;
 
 mod golden;
+mod perception;

@@ -192,7 +192,8 @@ fn scale_bar(view: &View) -> Group {
 fn listing(place: &PlaceDescription) -> Group {
     let left = MAP + 2.0 * PADDING + 10.0;
     let title = Text::new("Small-scale star, clockwise").set("font-size", 20).set("font-weight", "bold");
-    let arrived = if place.arrival.is_some() { "from the arrival slot" } else { "from the slot the robot faces" };
+    let arrived =
+        if place.arrival.is_some() { "from the arrival slot" } else { "from the slot the robot faces" };
     let subtitle = Text::new(arrived).set("font-size", 14).set("fill", FAINT);
     let mut group = Group::new()
         .set("fill", INK)
@@ -204,7 +205,14 @@ fn listing(place: &PlaceDescription) -> Group {
         let color = color(slot.fragment.0 as usize - 1);
         let cell = |text: String, x: f64| Text::new(text).set("x", left + x).set("y", y);
         group = group
-            .add(Rectangle::new().set("x", left).set("y", y - 13.0).set("width", 6).set("height", 17).set("fill", color))
+            .add(
+                Rectangle::new()
+                    .set("x", left)
+                    .set("y", y - 13.0)
+                    .set("width", 6)
+                    .set("height", 17)
+                    .set("fill", color),
+            )
             .add(cell(fragment_name(slot), 16.0).set("font-weight", "bold"))
             .add(cell(gateway_names(slot), 80.0))
             .add(cell(format!("{:?}", slot.control), 252.0).set("font-style", style(slot.control)))
@@ -226,7 +234,8 @@ fn fragment_name(slot: &Slot) -> String {
 }
 
 fn gateway_names(slot: &Slot) -> String {
-    let names = [slot.outward.map(|g| format!("gw{} out", g.0)), slot.inward.map(|g| format!("gw{} in", g.0))];
+    let names =
+        [slot.outward.map(|g| format!("gw{} out", g.0)), slot.inward.map(|g| format!("gw{} in", g.0))];
     names.into_iter().flatten().collect::<Vec<_>>().join(" & ")
 }
 

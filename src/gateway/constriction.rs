@@ -36,6 +36,10 @@ pub(super) fn first_constriction(
         }
         let Some(along) = heading(way, at, parameters) else { break };
         corners.retain(|corner| along.dot(&(corner - here)) > resolution / 2.0);
+        // Every other cell is enough to see a corner come, but not to see that none is left.
+        if at % 2 == 1 && !corners.is_empty() {
+            continue;
+        }
         let sides = distance.sides(way.cells[at], &along, 1.5 * resolution);
         for cell in [sides.left, sides.right].into_iter().flatten() {
             let corner = local(cell, resolution);
@@ -62,7 +66,11 @@ fn heading(way: &Way, at: usize, parameters: &GatewayParameters) -> Option<Vecto
     let length = parameters.direction_length;
     let (near, far) = (way.ahead(at, 0.5 * length), way.ahead(at, 1.25 * length));
     let straight = way.arc[far] - way.arc[near] >= 0.25 * length;
-    if straight { way.direction(near, far) } else { way.direction(at.min(way.ahead(0, way.arc[far] - length)), far) }
+    if straight {
+        way.direction(near, far)
+    } else {
+        way.direction(at.min(way.ahead(0, way.arc[far] - length)), far)
+    }
 }
 
 /// Whether the way does not narrow any further within sight.

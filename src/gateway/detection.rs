@@ -56,7 +56,8 @@ fn innermost(found: Vec<(Way, Constriction)>, resolution: f64) -> Vec<(Way, Cons
         let (at, clearance, arc) = place(&found[i]);
         (0..found.len()).any(|j| {
             let (other, _, other_arc) = place(&found[j]);
-            let passed = found[i].0.points[..found[i].1.at].iter().any(|p| (p - other).norm() < resolution / 2.0);
+            let passed =
+                found[i].0.points[..found[i].1.at].iter().any(|p| (p - other).norm() < resolution / 2.0);
             let beside = (at - other).norm() < (clearance / 2.0).max(2.0 * resolution);
             j != i && (passed || (beside && (other_arc, j) < (arc, i)))
         })

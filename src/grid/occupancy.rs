@@ -10,8 +10,7 @@ use thiserror::Error;
 pub const MAX_SIDE: usize = 8192;
 
 // Those that share a side come first.
-const NEIGHBORS: [(isize, isize); 8] =
-    [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)];
+const NEIGHBORS: [(isize, isize); 8] = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)];
 
 /// What is known of one cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

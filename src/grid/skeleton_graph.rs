@@ -184,7 +184,8 @@ impl<'a> Builder<'a> {
         skeleton.exits.iter().for_each(|&cell| self.add_node(NodeKind::Exit, &[cell]));
         skeleton.dead_end.iter().for_each(|&cell| self.add_node(NodeKind::DeadEnd, &[cell]));
         let crossing: Vec<bool> = self.cells.iter().map(|&cell| self.around(cell).count() > 2).collect();
-        let crosses = |cell: CellIndex| self.cells.binary_search_by_key(&key(cell), |&c| key(c)).map(|i| crossing[i]);
+        let crosses =
+            |cell: CellIndex| self.cells.binary_search_by_key(&key(cell), |&c| key(c)).map(|i| crossing[i]);
         let mut clusters = Vec::new();
         let mut seen = std::collections::BTreeSet::new();
         for (&cell, _) in self.cells.iter().zip(&crossing).filter(|(_, crossing)| **crossing) {

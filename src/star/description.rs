@@ -3,8 +3,8 @@
 use crate::gateway::{Gateway, GatewayParameters, find_gateways};
 use crate::geometry::{Point, Pose, wrap_angle};
 use crate::grid::{
-    CleaningParameters, DistanceField, OccupancyGrid, SkeletonError, SkeletonGraph, SkeletonParameters, clean,
-    skeletonize,
+    CleaningParameters, DistanceField, OccupancyGrid, SkeletonError, SkeletonGraph, SkeletonParameters,
+    clean, skeletonize,
 };
 use crate::lpm::Lpm;
 use crate::star::assembly::{Directed, clockwise, directed, number};
