@@ -91,9 +91,7 @@ fn bend(from: &Place, out: &PlaceSlot, to: &Place, entry: &PlaceSlot) -> Option<
     let tangent = s.min(t);
     let corner = start + ahead * s;
     let half_angle = ahead.dot(&back).clamp(-1.0, 1.0).acos() / 2.0;
-    meets.then(|| {
-        (corner - ahead * tangent, corner - back * tangent, tangent * half_angle.tan(), turn < 0.0)
-    })
+    meets.then(|| (corner - ahead * tangent, corner - back * tangent, tangent * half_angle.tan(), turn < 0.0))
 }
 
 fn places(world: &World, to_page: &impl Fn(&Point) -> (f64, f64)) -> Group {

@@ -38,14 +38,16 @@ pub struct LpmTrace {
 pub fn lpm_trace(world: &World, seed: u64, resolution: f64) -> Result<LpmTrace, GridError> {
     let mut random = Random::new(seed);
     let visits = world.visits();
-    let frames: Vec<Pose> = visits.iter().map(|visit| frame(&world.places[visit.place], &mut random)).collect();
+    let frames: Vec<Pose> =
+        visits.iter().map(|visit| frame(&world.places[visit.place], &mut random)).collect();
     let mut events = Vec::new();
     for (step, (visit, world_from_lpm)) in visits.iter().zip(&frames).enumerate() {
         let lpm_from_world = world_from_lpm.inverse();
         let place = &world.places[visit.place];
         let arrival = if step == 0 { facing(place, visit.arrival) } else { entering(place, visit.arrival) };
         let robot_pose = lpm_from_world.compose(&arrival);
-        let percept = Percept::Lpm(Lpm { grid: render(world, world_from_lpm, &arrival, resolution)?, robot_pose });
+        let percept =
+            Percept::Lpm(Lpm { grid: render(world, world_from_lpm, &arrival, resolution)?, robot_pose });
         push(&mut events, EventKind::Observation(Box::new(Observation { percept })));
         let (Some(departure), Some(next)) = (visit.departure, visits.get(step + 1)) else { break };
         let leaving = leaving(place, departure);
@@ -113,11 +115,8 @@ fn drive(start_from_end: &Pose, lpm_from_start: Pose, random: &mut Random) -> Tr
     for (i, sigma) in deviation.iter().enumerate() {
         covariance[4 * i] = sigma * sigma;
     }
-    let odometry = Pose::new(
-        start_from_end.x + error[0],
-        start_from_end.y + error[1],
-        start_from_end.theta + error[2],
-    );
+    let odometry =
+        Pose::new(start_from_end.x + error[0], start_from_end.y + error[1], start_from_end.theta + error[2]);
     Travel {
         odometry: Some(odometry),
         covariance: Some(covariance),

@@ -2,14 +2,16 @@
 
 use crate::geometry::Point;
 use crate::worlds::drawing::{Drawing, Shape};
+use crate::worlds::fault::Fault;
 use crate::worlds::format::{WireDrawing, WireShape};
 
-/// The drawing of a file; the error is the field at fault and what is wrong with it.
-pub(super) fn read_drawing(wire: &WireDrawing) -> Result<Drawing, (String, String)> {
-    let all = |shapes: &[WireShape], name: &str| -> Result<Vec<Shape>, (String, String)> {
+/// The drawing of a file.
+pub(super) fn read_drawing(wire: &WireDrawing) -> Result<Drawing, Fault> {
+    let all = |shapes: &[WireShape], name: &str| -> Result<Vec<Shape>, Fault> {
         let mut read = Vec::new();
         for (index, shape) in shapes.iter().enumerate() {
-            let field = |message: &str| (format!("drawing.{name}[{index}]"), message.into());
+            let field =
+                |message: &str| Fault { field: format!("drawing.{name}[{index}]"), message: message.into() };
             read.extend(read_shape(shape).map_err(field)?);
         }
         Ok(read)
@@ -28,7 +30,13 @@ fn read_shape(wire: &WireShape) -> Result<Vec<Shape>, &'static str> {
             }
             Ok(axis.windows(2).map(|pair| stretch(point(&pair[0]), point(&pair[1]), *width)).collect())
         }
-        WireShape { corridor: None, width: None, disc: Some(center), radius: Some(radius), polygon: None } => {
+        WireShape {
+            corridor: None,
+            width: None,
+            disc: Some(center),
+            radius: Some(radius),
+            polygon: None,
+        } => {
             if !finite(&[*center]) || !positive(*radius) {
                 return Err("expected a disc with a finite centre and a radius above 0");
             }

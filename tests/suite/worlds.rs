@@ -14,7 +14,7 @@ fn all() -> impl Iterator<Item = World> {
 }
 
 fn world(name: &str) -> World {
-    worlds::bundled(name).unwrap().unwrap()
+    worlds::bundled(name).unwrap()
 }
 
 fn sightings(events: &[Event]) -> Vec<Sighting> {
@@ -188,14 +188,30 @@ fn malformed_files_are_refused_by_field() {
         ("at = [0, 0]", "at = [0.5, 5]", "place[0].slots[0].bearing: points at a wall"),
         ("at = [0, 0]", "at = [5, 5]", "place[0].at: is not in the open"),
         ("name = \"B\"", "name = \"A\"", "place[2].name: is \"A\" a second time"),
-        ("fragment = 2", "fragment = 1", "place[0].slots[0].fragment: is 1, expected every fragment on exactly"),
+        (
+            "fragment = 2",
+            "fragment = 1",
+            "place[0].slots[0].fragment: is 1, expected every fragment on exactly",
+        ),
         ("bearing = -90", "bearing = 95", "place[0].slots[2].bearing: comes out of order"),
         ("out = \"B.west\"", "out = \"B.east\"", "place[0].slots[0].out: is \"B.east\", whose own"),
-        ("out = \"B.west\"", "out = \"Q.west\"", "place[0].slots[0].out: is \"Q.west\", expected \"open\" or"),
-        ("out = \"B.west\", control = \"midline\"", "control = \"midline\"", "place[0].slots[0].control: is a way"),
+        (
+            "out = \"B.west\"",
+            "out = \"Q.west\"",
+            "place[0].slots[0].out: is \"Q.west\", expected \"open\" or",
+        ),
+        (
+            "out = \"B.west\", control = \"midline\"",
+            "control = \"midline\"",
+            "place[0].slots[0].control: is a way",
+        ),
         ("control = \"dead_end\"", "control = \"wall\"", "place[0].slots[1].control: unknown variant `wall`"),
         ("start = \"A.east\"", "start = \"A.up\"", "walk.start: is \"A.up\""),
-        ("leave = [\"east\"", "leave = [\"west\"", "walk.leave[0]: is \"west\", which leads from A to no place"),
+        (
+            "leave = [\"east\"",
+            "leave = [\"west\"",
+            "walk.leave[0]: is \"west\", which leads from A to no place",
+        ),
         ("candidates = [1, 1", "candidates = [1", "expect.paper.candidates: has 6 counts"),
         ("truth = \"minimal\"", "truth = \"maximal\"", "expect.paper.truth: unknown variant"),
         ("[walk]", "[walk", ".: TOML parse error"),
