@@ -1,5 +1,7 @@
 //! The recorded traces give the counts that an independent enumeration found.
 
+use crate::engine::{names, stories};
+use crate::reference;
 use crate::traces::visits;
 use topostar::abduction::{Abduction, AxiomSet, Limits, Profile, Relation, Report, StopReason};
 use topostar::map::Paths;
@@ -65,6 +67,19 @@ fn grids() {
     for (trace, paper, default) in expected {
         assert_eq!(figures(&explain(trace, Profile::Paper).report()), paper, "{trace}, paper");
         assert_eq!(figures(&explain(trace, Profile::Default).report()), default, "{trace}, default");
+    }
+}
+
+#[test]
+fn short_traces_give_the_maps_of_the_reference() {
+    for (trace, profile) in [
+        (ACES, Profile::Paper),
+        (ACES, Profile::Default),
+        ("grid3x3-16", Profile::Paper),
+        ("grid3x3-16", Profile::Default),
+    ] {
+        let expected = reference::explanations(&visits(trace), &names(AxiomSet::of(profile)), true);
+        assert_eq!(stories(&explain(trace, profile)), expected, "{trace}");
     }
 }
 

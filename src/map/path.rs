@@ -1,7 +1,7 @@
 //! The paths of a map, the order of places on them, and the large-scale stars bound to them.
 
 use crate::map::{DstateId, PathId, PlaceId, TopologicalMap};
-use crate::star::Direction;
+use crate::star::{Direction, LargeSlot};
 
 /// All paths of a map, travelled or not, and what each slot of each star is bound to (seed, section 4.3 and
 /// Figure 3(c)). Every dstate lies on exactly one directed path, its opposite on the same one in the other
@@ -84,7 +84,7 @@ impl Paths {
 
     /// The large-scale star of a place of the same map, clockwise.
     pub fn bound_star(&self, map: &TopologicalMap, place: PlaceId) -> Vec<BoundSlot> {
-        let bind = |(dstate, slot): (DstateId, &crate::star::LargeSlot)| BoundSlot {
+        let bind = |(dstate, slot): (DstateId, &LargeSlot)| BoundSlot {
             dstate,
             along: self.along(map, dstate),
             terminates: !slot.navigable,
@@ -125,4 +125,62 @@ fn first_ahead(map: &TopologicalMap, dstate: DstateId) -> (DstateId, bool) {
         }
     }
     (ahead, false)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map::MapError;
+    use crate::star::{ControlLaw, FragmentId, GatewayId, LargeScaleStar, Slot, SlotIndex, SmallScaleStar};
+
+    /// Two paths that cross: slots 0 and 2 on one, 1 and 3 on the other.
+    fn crossing() -> LargeScaleStar {
+        let slot = |slot: u32| Slot {
+            fragment: FragmentId(slot % 2),
+            direction: if slot < 2 { Direction::Plus } else { Direction::Minus },
+            outward: Some(GatewayId(slot)),
+            inward: Some(GatewayId((slot + 2) % 4)),
+            control: ControlLaw::Midline,
+            bearing: None,
+            width: None,
+            margin: None,
+        };
+        SmallScaleStar::new((0..4).map(slot).collect()).unwrap().large_scale()
+    }
+
+    fn dstate(place: usize, slot: u8) -> DstateId {
+        DstateId { place: PlaceId::new(place).unwrap(), slot: SlotIndex(slot) }
+    }
+
+    #[test]
+    fn places_are_in_order_on_their_path() {
+        let map = TopologicalMap::new(&crossing()).unwrap();
+        let map = map.with_new_place(dstate(0, 0), &crossing(), SlotIndex(3)).unwrap();
+        let map = map.with_new_place(dstate(0, 2), &crossing(), SlotIndex(0)).unwrap();
+        let paths = Paths::of(&map);
+        let line: Vec<usize> = paths.paths[0].places().map(PlaceId::index).collect();
+        assert_eq!((line, map.path_count()), (vec![2, 0, 1], 4));
+        let ahead = DirectedPath { path: PathId(0), direction: Direction::Plus };
+        assert_eq!([dstate(0, 0), dstate(1, 1), dstate(2, 0)].map(|it| paths.along(&map, it)), [ahead; 3]);
+        assert_eq!(paths.bound_star(&map, PlaceId::FIRST)[2].along.direction, Direction::Minus);
+    }
+
+    #[test]
+    fn a_closed_path_is_walked_once() {
+        let map = TopologicalMap::new(&crossing()).unwrap();
+        let map = map.with_new_place(dstate(0, 0), &crossing(), SlotIndex(2)).unwrap();
+        let map = map.with_segment(dstate(1, 0), dstate(0, 2)).unwrap();
+        let paths = Paths::of(&map);
+        assert_eq!((paths.paths[0].stops.len(), paths.paths[0].closed), (2, true));
+        assert_eq!((paths.iter().len(), map.path_count()), (3, 3));
+    }
+
+    #[test]
+    fn what_cannot_be_joined_is_refused() {
+        let map = TopologicalMap::new(&crossing()).unwrap();
+        assert_eq!(map.with_segment(dstate(0, 1), dstate(0, 1)), Err(MapError::OneGateway(dstate(0, 1))));
+        assert_eq!(map.with_segment(dstate(0, 1), dstate(1, 1)), Err(MapError::UnknownDstate(dstate(1, 1))));
+        let map = map.with_segment(dstate(0, 1), dstate(0, 2)).unwrap();
+        assert_eq!(map.with_segment(dstate(0, 3), dstate(0, 2)), Err(MapError::Taken(dstate(0, 2))));
+    }
 }

@@ -19,7 +19,7 @@ impl Face {
     pub(crate) fn around(map: &TopologicalMap, corner: DstateId) -> Face {
         let mut open = BitSet::default();
         let mut at = corner;
-        // The step is a permutation and fixes no crossed dstate on `corner`, which has no far end: it comes back.
+        // The step is a permutation of the dstates, so that the walk comes back to where it began.
         loop {
             at = map.clockwise(at);
             match map.far_end(at) {
