@@ -1,6 +1,8 @@
 //! Every bundled world: its file is sound, its walk gives the counts it promises, and what its rendered grids show
 //! is what its places are said to be.
 
+#![allow(clippy::unwrap_used, reason = "a helper of tests fails the test")]
+
 use topostar::abduction::{Abduction, Assignment, AxiomId, AxiomSet, Limits, Profile, Report, Visit};
 use topostar::lpm::Lpm;
 use topostar::star::{LargeScaleStar, PerceptionParameters, SlotIndex, describe};
