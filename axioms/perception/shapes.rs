@@ -1,17 +1,19 @@
-//! Places with one known answer each.
+//! Places with one known answer each, as the seed defines it (sections 4.2 and 4.3, Figure 3).
+//!
+//! Figure 3(e) is printed with gateway 2 on two fragments, against the seed's own rule; here the opening has number 3.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use topostar::geometry::Pose;
 use topostar::worlds::drawing::{Drawing, evenly};
 
 /// A floor plan, where a robot may arrive in it, and the star listed from the first arrival.
-pub struct Shape {
-    pub name: &'static str,
-    pub plan: Drawing,
+pub(super) struct Shape {
+    pub(super) name: &'static str,
+    pub(super) plan: Drawing,
     /// Poses on arrival, one for each gateway.
-    pub arrivals: Vec<Pose>,
+    pub(super) arrivals: Vec<Pose>,
     /// Slots as in the seed's figures: `1+ 1>4 Midline` is PF1+, gateway 1 out and gateway 4 in.
-    pub star: &'static str,
+    pub(super) star: &'static str,
 }
 
 const N: f64 = FRAC_PI_2;
@@ -25,7 +27,7 @@ fn shape(name: &'static str, plan: Drawing, arrivals: &[(f64, f64, f64)], star: 
     Shape { name, plan, arrivals, star }
 }
 
-pub fn all() -> Vec<Shape> {
+pub(super) fn all() -> Vec<Shape> {
     let mut all = corridors();
     all.extend(rooms());
     all.extend(figures());
@@ -33,7 +35,8 @@ pub fn all() -> Vec<Shape> {
 }
 
 fn corridors() -> Vec<Shape> {
-    let arms = |directions: &[f64]| Drawing::new().arms((0.0, 0.0), directions, FAR, 2.2).disc((0.0, 0.0), 1.1);
+    let arms =
+        |directions: &[f64]| Drawing::new().arms((0.0, 0.0), directions, FAR, 2.2).disc((0.0, 0.0), 1.1);
     let square = |directions: &[f64]| {
         Drawing::new().arms((0.0, 0.0), directions, FAR, 2.2).room((-1.1, -1.1), (1.1, 1.1))
     };
@@ -110,10 +113,11 @@ fn rooms() -> Vec<Shape> {
         ),
         shape(
             "L in a wide room",
-            Drawing::new()
-                .room((-3.5, -3.5), (3.5, 3.5))
-                .corridor((0.0, 0.0), (FAR, 0.0), 2.2)
-                .corridor((0.0, 0.0), (0.0, -FAR), 2.2),
+            Drawing::new().room((-3.5, -3.5), (3.5, 3.5)).corridor((0.0, 0.0), (FAR, 0.0), 2.2).corridor(
+                (0.0, 0.0),
+                (0.0, -FAR),
+                2.2,
+            ),
             &[(0.0, -2.5, N), (2.5, 0.0, W)],
             "1+ >2 None; 2+ 1> Midline; 1- 2> Midline; 2- >1 None",
         ),
@@ -137,10 +141,10 @@ fn figures() -> Vec<Shape> {
         shape(
             "figure 3(b)",
             Drawing::new()
-                .room((-2.1, -2.6), (2.1, 2.6))
+                .room((-2.1, -2.9), (2.1, 2.9))
                 .corridor((0.0, 0.0), (0.6, FAR), 1.6)
-                .corridor((0.0, 1.6), (FAR, 2.4), 1.6)
-                .corridor((0.0, -1.6), (FAR, -2.4), 1.6)
+                .corridor((0.0, 1.9), (FAR, 2.7), 1.6)
+                .corridor((0.0, -1.9), (FAR, -2.7), 1.6)
                 .corridor((0.0, 0.0), (0.6, -FAR), 1.6)
                 .corridor((0.0, 0.0), (-FAR, 0.5), 1.6),
             &[(0.0, -1.8, N)],

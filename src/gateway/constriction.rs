@@ -36,6 +36,10 @@ pub(super) fn first_constriction(
         }
         let Some(along) = heading(way, at, parameters) else { break };
         corners.retain(|corner| along.dot(&(corner - here)) > resolution / 2.0);
+        // Every other cell is enough to see a corner come, but not to see that none is left.
+        if at % 2 == 1 && !corners.is_empty() {
+            continue;
+        }
         let sides = distance.sides(way.cells[at], &along, 1.5 * resolution);
         for cell in [sides.left, sides.right].into_iter().flatten() {
             let corner = local(cell, resolution);

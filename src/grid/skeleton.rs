@@ -49,6 +49,9 @@ pub enum SkeletonError {
     /// No free space that the robot fits into can be reached from where it stands.
     #[error("no free space as wide as the passage width can be reached from the robot's position")]
     NoFreeSpace,
+    /// Everything in the window is farther than the comfort distance from any obstacle.
+    #[error("no obstacle within the comfort distance of any free space in the window")]
+    NothingToFollow,
     /// Free space does not lead out of the window.
     #[error("no way as wide as the passage width leads out of the window")]
     NoWayOut,
@@ -65,9 +68,13 @@ pub fn skeletonize(
     let start = info.cell_at(robot).ok_or(SkeletonError::OutsideGrid)?;
     let window = Window::new(info, start, parameters.scope);
     let mut core = Core::new(distance, &window, parameters);
+    let roomy = core.inside.contains(&true);
     core.remove_open_expanses(&window, parameters.comfort_distance);
+    if roomy && !core.inside.contains(&true) {
+        return Err(SkeletonError::NothingToFollow);
+    }
     let gate = nearest_core_cell(grid, start, &core, parameters).ok_or(SkeletonError::NoFreeSpace)?;
-    let members = flood(info, gate, true, |i| core.inside[i]);
+    let members = component(info, gate, &core.inside);
     let exits = exits(&members, &window, &core);
     let dead_end = match exits[..] {
         [] => return Err(SkeletonError::NoWayOut),
@@ -105,6 +112,11 @@ impl<'a> Window<'a> {
 
     /// Whether a cell of the window has a side to what is not in the window.
     fn on_rim(&self, at: CellIndex) -> bool {
+        let (dx, dy) = (at.x as f64 - self.center.x as f64, at.y as f64 - self.center.y as f64);
+        let inner = at.x > 0 && at.y > 0 && at.x + 1 < self.info.width && at.y + 1 < self.info.height;
+        if inner && (dx.abs() + 1.0).powi(2) + (dy.abs() + 1.0).powi(2) <= self.squared_radius {
+            return false;
+        }
         let sides = [(1, 0), (0, 1), (-1, 0), (0, -1)];
         sides.iter().any(|&(dx, dy)| self.info.shifted(at, dx, dy).is_none_or(|next| !self.contains(next)))
     }
@@ -138,6 +150,13 @@ impl<'a> Core<'a> {
             }
         }
     }
+}
+
+/// The cells connected to `start` by sides or corners, ascending.
+fn component(info: &GridInfo, start: usize, inside: &[bool]) -> Vec<usize> {
+    let mut seen = vec![false; inside.len()];
+    flood(info, start, true, |i| inside[i]).into_iter().for_each(|i| seen[i] = true);
+    (0..seen.len()).filter(|&i| seen[i]).collect()
 }
 
 /// Cells connected to `start` in the order of their distance from it in steps.
@@ -191,9 +210,8 @@ fn nearest_core_cell(
 fn exits(members: &[usize], window: &Window, core: &Core) -> Vec<usize> {
     let info = window.info;
     let mut rim = vec![false; core.inside.len()];
-    let mut starts: Vec<usize> = members.iter().copied().filter(|&i| window.on_rim(info.index(i))).collect();
+    let starts: Vec<usize> = members.iter().copied().filter(|&i| window.on_rim(info.index(i))).collect();
     starts.iter().for_each(|&i| rim[i] = true);
-    starts.sort_unstable();
     let mut exits = Vec::new();
     for start in starts {
         if !rim[start] {
