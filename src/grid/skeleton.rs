@@ -66,7 +66,8 @@ pub fn skeletonize(
 ) -> Result<Skeleton, SkeletonError> {
     let info = grid.info();
     let start = info.cell_at(robot).ok_or(SkeletonError::OutsideGrid)?;
-    let window = Window::new(info, start, parameters.scope);
+    // A core cell that near to the end of the window has no obstacle before it: the clearance is greater.
+    let window = Window::new(info, start, parameters.scope, parameters.passage_width / 2.0);
     let mut core = Core::new(distance, &window, parameters);
     let roomy = core.inside.contains(&true);
     core.remove_open_expanses(&window, parameters.comfort_distance);
@@ -93,32 +94,33 @@ pub fn skeletonize(
     })
 }
 
-/// The part of the grid in which free space counts as settled.
+/// The part of the grid in which free space counts as settled. Lengths are in cells.
 struct Window<'a> {
     info: &'a GridInfo,
     center: CellIndex,
-    squared_radius: f64,
+    radius: f64,
+    rim: f64,
 }
 
 impl<'a> Window<'a> {
-    fn new(info: &'a GridInfo, center: CellIndex, scope: f64) -> Self {
-        Window { info, center, squared_radius: (scope / info.resolution).powi(2) }
+    fn new(info: &'a GridInfo, center: CellIndex, radius: f64, rim: f64) -> Self {
+        Window { info, center, radius: radius / info.resolution, rim: rim / info.resolution }
     }
 
     fn contains(&self, at: CellIndex) -> bool {
-        let (dx, dy) = (at.x as f64 - self.center.x as f64, at.y as f64 - self.center.y as f64);
-        dx * dx + dy * dy <= self.squared_radius
+        self.squared_offset(at) <= self.radius * self.radius
     }
 
-    /// Whether a cell of the window has a side to what is not in the window.
+    /// Whether a cell of the window is nearer to what is not in the window than the depth of the rim.
     fn on_rim(&self, at: CellIndex) -> bool {
+        let inner = (self.radius - self.rim).max(0.0);
+        let edge = at.x.min(at.y).min(self.info.width - 1 - at.x).min(self.info.height - 1 - at.y);
+        (edge as f64) < self.rim || self.squared_offset(at) > inner * inner
+    }
+
+    fn squared_offset(&self, at: CellIndex) -> f64 {
         let (dx, dy) = (at.x as f64 - self.center.x as f64, at.y as f64 - self.center.y as f64);
-        let inner = at.x > 0 && at.y > 0 && at.x + 1 < self.info.width && at.y + 1 < self.info.height;
-        if inner && (dx.abs() + 1.0).powi(2) + (dy.abs() + 1.0).powi(2) <= self.squared_radius {
-            return false;
-        }
-        let sides = [(1, 0), (0, 1), (-1, 0), (0, -1)];
-        sides.iter().any(|&(dx, dy)| self.info.shifted(at, dx, dy).is_none_or(|next| !self.contains(next)))
+        dx * dx + dy * dy
     }
 }
 
@@ -188,7 +190,7 @@ fn nearest_core_cell(
 ) -> Option<usize> {
     let info = grid.info();
     let stuck = grid.cell(start) != Cell::Free;
-    let step_out = Window::new(info, start, parameters.passage_width);
+    let step_out = Window::new(info, start, parameters.passage_width, 0.0);
     let passable = |at: CellIndex| grid.cell(at) == Cell::Free || (stuck && step_out.contains(at));
     let mut seen = vec![false; core.inside.len()];
     let mut queue = VecDeque::from([start]);
