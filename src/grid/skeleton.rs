@@ -248,3 +248,55 @@ fn dead_end(exit: usize, core: &Core) -> Option<usize> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::worlds::drawing::{Drawing, window};
+
+    fn skeleton(plan: &Drawing, robot: (f64, f64)) -> Result<(Skeleton, DistanceField), SkeletonError> {
+        let robot = Point::new(robot.0, robot.1);
+        let grid = plan.render(&window(18.0, 0.1, Point::origin(), 0.0), &robot).unwrap();
+        let distance = DistanceField::new(&grid);
+        let skeleton = skeletonize(&grid, &distance, &robot, &SkeletonParameters::default())?;
+        Ok((skeleton, distance))
+    }
+
+    #[test]
+    fn a_wide_hall_that_leaves_the_window_has_a_coast() {
+        let hall = Drawing::new().room((-20.0, -4.0), (20.0, 4.0));
+        let (skeleton, distance) = skeleton(&hall, (0.0, -2.0)).unwrap();
+        assert_eq!(skeleton.exits.len(), 2);
+        let clearance = skeleton.cells.iter().map(|&cell| distance.clearance(cell));
+        assert!(clearance.clone().all(|c| (2.3..=2.5).contains(&c)), "{:?}", clearance.collect::<Vec<_>>());
+        assert!(skeleton.cells.iter().all(|&cell| distance.info().center(cell).y < 0.0));
+    }
+
+    #[test]
+    fn a_wide_room_in_the_window_is_crossed() {
+        let room = Drawing::new().room((-5.0, -5.0), (5.0, 5.0)).corridor((-20.0, 0.0), (20.0, 0.0), 2.0);
+        let (skeleton, distance) = skeleton(&room, (0.0, 0.0)).unwrap();
+        assert!(skeleton.cells.iter().any(|&cell| distance.clearance(cell) > 4.5));
+    }
+
+    #[test]
+    fn a_door_is_no_way_out_and_a_corridor_is() {
+        let with = |width: f64| {
+            let room = Drawing::new().room((-2.0, -2.0), (2.0, 2.0)).corridor((1.0, 0.0), (20.0, 0.0), width);
+            skeleton(&room, (0.0, 0.0)).map(|(skeleton, _)| skeleton.exits.len())
+        };
+        assert_eq!(with(0.9), Err(SkeletonError::NoWayOut));
+        assert_eq!(with(1.3), Ok(1));
+    }
+
+    #[test]
+    fn a_robot_may_stand_a_little_inside_a_wall_but_not_deep() {
+        let plan = Drawing::new().corridor((-20.0, 0.0), (20.0, 0.0), 2.0);
+        let grid = plan.render(&window(18.0, 0.1, Point::origin(), 0.0), &Point::origin()).unwrap();
+        let distance = DistanceField::new(&grid);
+        let from =
+            |y: f64| skeletonize(&grid, &distance, &Point::new(0.0, y), &SkeletonParameters::default());
+        assert_eq!(from(1.4), from(0.0));
+        assert_eq!(from(3.0), Err(SkeletonError::NoFreeSpace));
+    }
+}
