@@ -30,6 +30,7 @@ fn shape(name: &'static str, plan: Drawing, arrivals: &[(f64, f64, f64)], star: 
 pub(super) fn all() -> Vec<Shape> {
     let mut all = corridors();
     all.extend(rooms());
+    all.extend(clutter());
     all.extend(figures());
     all
 }
@@ -132,6 +133,54 @@ fn rooms() -> Vec<Shape> {
             Drawing::new().corridor((-FAR, 0.0), (FAR, 0.0), 4.0).corridor((0.0, 0.0), (0.0, -FAR), 2.4),
             &[(0.0, -1.5, N), (-1.0, 0.0, E), (1.0, 0.0, W)],
             "1+ >2 DeadEnd; 2+ 1>3 Midline; 1- 2> Midline; 2- 3>1 Midline",
+        ),
+    ]
+}
+
+/// Places with something beside them that must not count.
+fn clutter() -> Vec<Shape> {
+    let through = || Drawing::new().corridor((-FAR, 0.0), (FAR, 0.0), 2.2);
+    let tee = || through().corridor((0.0, 0.0), (0.0, -FAR), 2.2);
+    let tee_star = "1+ >2 DeadEnd; 2+ 1>3 Midline; 1- 2> Midline; 2- 3>1 Midline";
+    let tee_arrivals = [(0.0, -0.8, N), (-0.8, 0.0, E), (0.8, 0.0, W)];
+    vec![
+        shape("T before another T", tee().corridor((7.0, 0.0), (7.0, FAR), 2.2), &tee_arrivals, tee_star),
+        shape(
+            "T with office doors",
+            (-2..3).fold(tee(), |plan, k| {
+                let x = f64::from(k) * 3.3 + 0.8;
+                plan.corridor((x, 1.0), (x, 1.6), 0.9).room((x - 1.4, 1.5), (x + 1.4, 5.0))
+            }),
+            &tee_arrivals,
+            tee_star,
+        ),
+        shape("T with a stub", tee().corridor((0.0, 0.0), (0.0, 3.5), 2.2), &tee_arrivals, tee_star),
+        shape(
+            "T with a pillar",
+            tee().block((-0.2, -0.7), (0.2, -0.3)),
+            &[(-0.8, 0.0, E), (0.0, -1.2, N), (0.8, 0.0, W)],
+            "1+ 1>3 Midline; 2+ 2> Midline; 1- 3>1 Midline; 2- >2 DeadEnd",
+        ),
+        shape(
+            "rotunda with a pillar",
+            Drawing::new()
+                .disc((0.0, 0.0), 4.2)
+                .arms((0.0, 0.0), &[N, E, S, W], FAR, 2.2)
+                .block((-0.2, -0.2), (0.2, 0.2)),
+            &[(0.0, -3.5, N), (-3.5, 0.0, E), (0.0, 3.5, S), (3.5, 0.0, W)],
+            "1+ 1>3 Midline; 2+ 2>4 Midline; 1- 3>1 Midline; 2- 4>2 Midline",
+        ),
+        shape(
+            "skew crossing",
+            Drawing::new().arms((0.0, 0.0), &[E, W, 1.05, 1.05 - PI], FAR, 2.0),
+            &[(-0.8, 0.0, E), (0.8, 0.0, W)],
+            "1+ 1>3 Midline; 2+ 2>4 Midline; 1- 3>1 Midline; 2- 4>2 Midline",
+        ),
+        shape(
+            "corner of a wide hall",
+            Drawing::new().room((-FAR, -FAR), (FAR, FAR)).block((0.0, -2.0 * FAR), (2.0 * FAR, 0.0)),
+            &[(0.5, 2.4, W)],
+            "1+ >1 None; 2+ >2 None; 1- 1> RightWall; 2- 2> LeftWall",
         ),
     ]
 }

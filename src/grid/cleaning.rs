@@ -8,8 +8,8 @@ pub struct CleaningParameters {
     /// Patches of occupied cells below this area are stray range readings. Default 0.015, which is six cells of
     /// 5 cm: a leg of a chair seen once, not a wall.
     pub stray: f64,
-    /// Patches without any free cell below this area, surrounded by free space, do not part the ways around
-    /// them: thin posts and shadows between rays. Default 0.25.
+    /// Patches without any free cell below this area do not part the ways around them: thin posts, legs, and
+    /// shadows between rays. Default 0.25.
     pub speck: f64,
 }
 
@@ -20,23 +20,18 @@ impl Default for CleaningParameters {
 }
 
 /// The grid without specks. First stray occupied patches (cells touching by side or corner) become unknown, then
-/// patches that are not free (cells touching by side) become free unless they touch the edge of the grid.
+/// patches that are not free (cells touching by side) become free.
 pub fn clean(grid: &OccupancyGrid, parameters: &CleaningParameters) -> OccupancyGrid {
     let info = *grid.info();
     let cell_area = info.resolution * info.resolution;
     let mut cells = grid.cells().to_vec();
     // Areas of whole cells are compared with areas in decimal metres.
     let cells_in = |area: f64| area / cell_area - 1e-6;
-    for i in Patches::new(&info, &cells, true, |cell| cell == Cell::Occupied)
-        .small(cells_in(parameters.stray), false)
-    {
-        cells[i] = Cell::Unknown;
-    }
-    for i in
-        Patches::new(&info, &cells, false, |cell| cell != Cell::Free).small(cells_in(parameters.speck), true)
-    {
-        cells[i] = Cell::Free;
-    }
+    let (stray, speck) = (cells_in(parameters.stray), cells_in(parameters.speck));
+    let occupied = Patches::new(&info, &cells, true, |cell| cell == Cell::Occupied);
+    occupied.small(stray).for_each(|i| cells[i] = Cell::Unknown);
+    let closed = Patches::new(&info, &cells, false, |cell| cell != Cell::Free);
+    closed.small(speck).for_each(|i| cells[i] = Cell::Free);
     grid.with_cells(cells)
 }
 
@@ -51,13 +46,12 @@ struct Run {
 /// Patches of the chosen cells that touch one another by their sides, or by corners too.
 struct Patches {
     width: usize,
-    height: usize,
     runs: Vec<Run>,
 }
 
 impl Patches {
     fn new(info: &GridInfo, cells: &[Cell], corners: bool, chosen: impl Fn(Cell) -> bool) -> Self {
-        let mut patches = Patches { width: info.width, height: info.height, runs: Vec::new() };
+        let mut patches = Patches { width: info.width, runs: Vec::new() };
         let reach = usize::from(corners);
         let mut above = 0..0;
         for (y, row) in cells.chunks(info.width).enumerate() {
@@ -96,19 +90,14 @@ impl Patches {
         run
     }
 
-    /// The cells of all patches of fewer than `most` cells, without those at the edge of the grid if only inner
-    /// ones are wanted.
-    fn small(&self, most: f64, inner: bool) -> impl Iterator<Item = usize> {
+    /// The cells of all patches of fewer than `most` cells.
+    fn small(&self, most: f64) -> impl Iterator<Item = usize> {
         let mut sizes = vec![0usize; self.runs.len()];
-        let mut edge = vec![false; self.runs.len()];
         let roots: Vec<usize> = (0..self.runs.len()).map(|run| self.root(run)).collect();
         for (run, &root) in self.runs.iter().zip(&roots) {
-            let row = run.start / self.width;
-            let sides = run.start % self.width == 0 || run.end % self.width == 0;
             sizes[root] += run.end - run.start;
-            edge[root] |= sides || row == 0 || row + 1 == self.height;
         }
-        let small = move |&(_, root): &(&Run, usize)| (sizes[root] as f64) < most && !(inner && edge[root]);
+        let small = move |&(_, root): &(&Run, usize)| (sizes[root] as f64) < most;
         self.runs.iter().zip(roots).filter(small).flat_map(|(run, _)| run.start..run.end)
     }
 }
@@ -153,6 +142,6 @@ mod tests {
     #[test]
     fn a_shadow_in_free_space_is_filled() {
         assert_eq!(cleaned(&[".....", "..??.", "....."]), [".....", ".....", "....."]);
-        assert_eq!(cleaned(&["..?..", "....."]), ["..?..", "....."]);
+        assert_eq!(cleaned(&["..?..", "....."]), [".....", "....."]);
     }
 }
