@@ -2,6 +2,8 @@
 //!
 //! Data goes to standard output, progress and diagnostics to standard error; progress bars only to a terminal.
 
+mod demo;
+mod extract;
 mod failure;
 mod input;
 mod map;
@@ -27,8 +29,12 @@ Exit codes: 0 ok, 1 failure, 2 usage, 3 bad input (with file and line), 4 no con
 
 #[derive(Debug, Subcommand)]
 enum Verb {
+    /// Map a bundled world end to end over HTTP on loopback; prints what happens at each place.
+    Demo(demo::Demo),
     /// Find all maps that explain a trace, and the simplest.
     Map(map::Map),
+    /// Read gateways and star off one occupancy grid, or off every grid of a trace.
+    Extract(extract::Extract),
     /// Run the HTTP service.
     Serve(serve::Serve),
     /// Write the trace of a bundled world, or list the worlds.
@@ -38,7 +44,9 @@ enum Verb {
 /// Runs the verb that the process was called with.
 pub fn run() -> ExitCode {
     let outcome = match Cli::parse().verb {
+        Verb::Demo(verb) => verb.run(),
         Verb::Map(verb) => verb.run(),
+        Verb::Extract(verb) => verb.run(),
         Verb::Serve(verb) => verb.run(),
         Verb::World(verb) => verb.run(),
     };

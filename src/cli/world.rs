@@ -12,13 +12,17 @@ use std::io::{BufWriter, Write, stdout};
 Examples:
   topostar world                                  the names of the bundled worlds
   topostar world office | topostar map -          a walk as grids, mapped
-  topostar world office --stars > office.ndjson   the same walk as bare stars")]
+  topostar world office --stars > office.ndjson   the same walk as bare stars
+  topostar world office --picture > office.svg    the building as a drawing")]
 pub(super) struct World {
     /// Name of the world; left out, the names are listed.
     name: Option<String>,
     /// Bare stars in place of grids.
     #[arg(long)]
     stars: bool,
+    /// A drawing of the world in place of a trace, SVG.
+    #[arg(long, conflicts_with = "stars")]
+    picture: bool,
     /// Draws where each grid lies in its frame, and the noise of the odometry.
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -38,6 +42,10 @@ impl World {
             return Ok(out.flush()?);
         };
         let world = load(&name)?;
+        if self.picture {
+            out.write_all(worlds::picture(&world).as_bytes())?;
+            return Ok(out.flush()?);
+        }
         let events = if self.stars {
             star_trace(&world, None).map_err(|error| Failure::Broken(error.to_string()))?.events
         } else {
@@ -51,9 +59,5 @@ impl World {
 
 /// A bundled world by name.
 pub(super) fn load(name: &str) -> Result<worlds::World, Failure> {
-    let known = || worlds::names().collect::<Vec<_>>().join(", ");
-    let world = worlds::bundled(name).ok_or_else(|| {
-        Failure::Broken(format!("there is no bundled world `{name}`; there are {}", known()))
-    })?;
-    world.map_err(|error| Failure::Broken(error.to_string()))
+    worlds::bundled(name).map_err(|error| Failure::Broken(error.to_string()))
 }

@@ -5,11 +5,13 @@
 
 mod graph;
 mod report;
+mod extraction;
 mod extraction_svg;
 mod layout;
 mod map_svg;
 mod map_text;
 
+pub use extraction::Extraction;
 pub use extraction_svg::extraction_svg;
 pub use graph::{GraphDstate, GraphGateway, GraphPath, GraphPlace, GraphSegment, MapGraph};
 pub use layout::Layout;

@@ -24,6 +24,20 @@ pub enum Cell {
     Occupied,
 }
 
+impl Cell {
+    /// The cell that a grey of a `map_server` image means, in its mode `trinary` with the thresholds 0.65 and 0.196.
+    pub fn from_grey(grey: u8) -> Cell {
+        let occupancy = (255.0 - f64::from(grey)) / 255.0;
+        if occupancy >= 0.65 {
+            Cell::Occupied
+        } else if occupancy <= 0.196 {
+            Cell::Free
+        } else {
+            Cell::Unknown
+        }
+    }
+}
+
 /// A cell by column and row, counted from the bottom left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct CellIndex {

@@ -250,18 +250,7 @@ fn png_cells(bytes: &[u8], info: &GridInfo) -> Result<Vec<Cell>, String> {
             info.height
         ));
     }
-    let rows = grey.rows().rev().flat_map(|row| row.map(|pixel| cell_of_grey(pixel.0[0])));
+    let rows = grey.rows().rev().flat_map(|row| row.map(|pixel| Cell::from_grey(pixel.0[0])));
     Ok(rows.collect())
 }
 
-/// `map_server`'s trinary mode with thresholds 0.65 and 0.196.
-fn cell_of_grey(grey: u8) -> Cell {
-    let occupancy = (255.0 - f64::from(grey)) / 255.0;
-    if occupancy >= 0.65 {
-        Cell::Occupied
-    } else if occupancy <= 0.196 {
-        Cell::Free
-    } else {
-        Cell::Unknown
-    }
-}

@@ -1,6 +1,6 @@
 //! Maps: made once, then read.
 
-use crate::export::{Count, Extinction, Preferred, Report, StopReason, Strategy};
+use crate::export::Report;
 use crate::service::http::answer::Representation;
 use crate::service::http::body::{MediaType, whole};
 use crate::service::http::extract::MapPath;
@@ -22,43 +22,18 @@ pub(super) struct MapState {
     map: String,
     /// The number that the next event must carry.
     next_seq: u64,
-    /// How many candidates explain all observations.
-    candidates: Count,
-    /// Whether every candidate there is was kept.
-    complete: bool,
-    /// The profile that holds exactly the axioms of the map, or `custom`.
-    profile: String,
-    /// The axioms of the map.
-    axioms: Vec<String>,
-    /// How the candidates are searched.
-    strategy: Strategy,
     /// The most candidates kept after an observation.
     max_candidates: usize,
-    /// The simplest map; null before the first observation and when no map is left.
-    preferred: Option<Preferred>,
-    /// Why the search ended early; null if every candidate was followed to the last observation.
-    stop_reason: Option<StopReason>,
-    /// What refuted the last candidates; null unless no candidate is left.
-    extinction: Option<Extinction>,
+    /// What explains its events.
+    #[serde(flatten)]
+    report: Report,
 }
 
 impl MapState {
     fn of(name: &MapName, view: &View) -> MapState {
         let MapConfig { axioms, max_candidates } = view.config;
-        let found = Report::new(&view.report, axioms);
-        MapState {
-            map: name.to_string(),
-            next_seq: view.next_seq,
-            candidates: found.candidates,
-            complete: found.complete,
-            profile: found.profile,
-            axioms: found.axioms,
-            strategy: found.strategy,
-            max_candidates,
-            preferred: found.preferred,
-            stop_reason: found.stop_reason,
-            extinction: found.extinction,
-        }
+        let report = Report::new(&view.report, axioms);
+        MapState { map: name.to_string(), next_seq: view.next_seq, max_candidates, report }
     }
 }
 

@@ -1,0 +1,162 @@
+//! `topostar extract`: gateways and star of one grid, or of every grid of a trace.
+
+use super::failure::Failure;
+use super::input::{open, read_events};
+use crate::export::{Extraction, extraction_svg};
+use crate::geometry::Pose;
+use crate::grid::{Cell, GridInfo, OccupancyGrid};
+use crate::lpm::Lpm;
+use crate::star::{PerceptionParameters, describe};
+use crate::trace::wire_grid::WireLpm;
+use crate::trace::{EventKind, Percept};
+use clap::Args;
+use std::fs;
+use std::io::{Read, Write, stdout};
+use std::path::PathBuf;
+
+/// Read gateways and star off one occupancy grid, or off every grid of a trace.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  topostar extract lpm.json --svg lpm.svg            one grid as in a trace's lpm field
+  topostar extract map.pgm --at 12.5,3.0,1.57        a window of a map_server image around a pose
+  topostar extract trace.ndjson -o pictures/         a picture of every place of a trace
+  topostar extract run.clf.bz2 --visits arrivals.csv -o pictures/")]
+pub(super) struct Extract {
+    /// A grid (.json, .png, .pgm, row 0 of an image at the top), a trace (.ndjson), or a log with --visits.
+    input: PathBuf,
+    /// The robot's pose in the grid's frame: x,y,heading in metres and radians; default: the middle, heading 0.
+    #[arg(long, value_name = "X,Y,THETA", value_parser = pose, allow_hyphen_values = true)]
+    at: Option<Pose>,
+    /// Side of a pixel of an image, metres; the image's bottom-left corner is the origin.
+    #[arg(long, default_value_t = 0.05)]
+    resolution: f64,
+    /// The narrowest way that counts as one, metres: 0.8 for office doors.
+    #[arg(long, value_name = "METRES")]
+    passage_width: Option<f64>,
+    /// The arrivals in a log: CSV with the columns place,raw_scan_index.
+    #[arg(long, value_name = "CSV")]
+    visits: Option<PathBuf>,
+    /// Write a picture of a single grid there.
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
+    /// Write a picture of each grid there, observation-NN.svg.
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+}
+
+impl Extract {
+    /// Prints one JSON object a grid; a grid that cannot be described gives an error only after the others.
+    pub(super) fn run(self) -> Result<(), Failure> {
+        let lpms = self.lpms()?;
+        if self.svg.is_some() && lpms.len() != 1 {
+            return Err(Failure::Input(format!(
+                "--svg goes with one grid, {} are given; use -o DIR",
+                lpms.len()
+            )));
+        }
+        if let Some(folder) = &self.output {
+            fs::create_dir_all(folder).map_err(|error| Failure::writing(folder, error))?;
+        }
+        let mut refused = Vec::new();
+        for (number, lpm) in lpms.iter().enumerate() {
+            match describe(lpm, &self.parameters()) {
+                Ok(place) => {
+                    let json = serde_json::to_string(&Extraction::of(&place));
+                    writeln!(stdout(), "{}", json.map_err(|error| Failure::Broken(error.to_string()))?)?;
+                    self.draw(number, &extraction_svg(&place, &lpm.robot_pose))?;
+                }
+                Err(error) => refused.push(format!("observation {number}: {error}")),
+            }
+        }
+        if refused.is_empty() { Ok(()) } else { Err(Failure::input(&self.input, refused.join("; "))) }
+    }
+
+    fn parameters(&self) -> PerceptionParameters {
+        let mut parameters = PerceptionParameters::default();
+        if let Some(width) = self.passage_width {
+            parameters.skeleton.passage_width = width;
+        }
+        parameters
+    }
+
+    fn draw(&self, number: usize, picture: &str) -> Result<(), Failure> {
+        let in_folder =
+            self.output.as_ref().map(|folder| folder.join(format!("observation-{number:02}.svg")));
+        for file in [&self.svg, &in_folder].into_iter().flatten() {
+            fs::write(file, picture).map_err(|error| Failure::writing(file, error))?;
+        }
+        Ok(())
+    }
+
+    fn lpms(&self) -> Result<Vec<Lpm>, Failure> {
+        let grid = match self.input.extension().and_then(|e| e.to_str()).unwrap_or_default() {
+            "json" => self.json_grid()?,
+            "png" | "pgm" => self.image_grid()?,
+            _ => return self.trace_lpms(),
+        };
+        let robot_pose = self.at.unwrap_or_else(|| middle(grid.info()));
+        Ok(vec![Lpm { grid, robot_pose }])
+    }
+
+    fn trace_lpms(&self) -> Result<Vec<Lpm>, Failure> {
+        let events = read_events(&self.input, self.visits.as_deref())?;
+        let lpm = |kind| match kind {
+            EventKind::Observation(seen) => match seen.percept {
+                Percept::Lpm(lpm) => Some(lpm),
+                Percept::Star { .. } => None,
+            },
+            _ => None,
+        };
+        let lpms: Vec<Lpm> = events.into_iter().filter_map(|event| lpm(event.kind)).collect();
+        if lpms.is_empty() {
+            return Err(Failure::input(
+                &self.input,
+                "no observation with an lpm; a trace of bare stars has nothing to extract",
+            ));
+        }
+        Ok(lpms)
+    }
+
+    fn json_grid(&self) -> Result<OccupancyGrid, Failure> {
+        let bad = |error: String| Failure::input(&self.input, error);
+        let mut json = serde_json::Deserializer::from_reader(open(&self.input)?);
+        let wire: WireLpm =
+            serde_path_to_error::deserialize(&mut json).map_err(|error| bad(error.to_string()))?;
+        wire.grid("").map_err(|error| bad(error.to_string()))
+    }
+
+    fn image_grid(&self) -> Result<OccupancyGrid, Failure> {
+        let mut bytes = Vec::new();
+        open(&self.input)?.read_to_end(&mut bytes).map_err(|error| Failure::input(&self.input, error))?;
+        image_grid(&bytes, self.resolution).map_err(|error| Failure::input(&self.input, error))
+    }
+}
+
+/// An image in the greys of `map_server`, its first row at the top.
+fn image_grid(bytes: &[u8], resolution: f64) -> Result<OccupancyGrid, String> {
+    let image = image::load_from_memory(bytes).map_err(|error| error.to_string())?.into_luma8();
+    let info = GridInfo {
+        resolution,
+        width: image.width() as usize,
+        height: image.height() as usize,
+        origin: Pose::IDENTITY,
+    };
+    let rows = image.rows().rev();
+    let cells = rows.flat_map(|row| row.map(|pixel| Cell::from_grey(pixel.0[0]))).collect();
+    OccupancyGrid::new(info, cells).map_err(|error| error.to_string())
+}
+
+fn middle(info: &GridInfo) -> Pose {
+    let half =
+        Pose::new(info.width as f64 * info.resolution / 2.0, info.height as f64 * info.resolution / 2.0, 0.0);
+    info.origin.compose(&half)
+}
+
+fn pose(text: &str) -> Result<Pose, String> {
+    let numbers: Vec<f64> = text.split(',').filter_map(|word| word.trim().parse().ok()).collect();
+    match numbers[..] {
+        [x, y, theta] if numbers.iter().all(|n| n.is_finite()) => Ok(Pose::new(x, y, theta)),
+        _ => Err("expected three numbers, x,y,heading".into()),
+    }
+}
