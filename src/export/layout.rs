@@ -12,6 +12,11 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 /// Rounds of relaxation; errors fall below a pixel long before for maps that can be read as a picture.
 const ROUNDS: usize = 400;
 
+/// Places closer than this are drawn on top of each other: they push each other apart.
+const ROOM: f64 = 0.7;
+/// The most places for which that is worth its quadratic cost: more cannot be read as one picture.
+const MOST_APART: usize = 200;
+
 /// Position and orientation of each place, by number.
 #[derive(Clone, Debug)]
 pub struct Layout {
@@ -34,6 +39,7 @@ impl Layout {
         layout.spread(&springs);
         for _ in 0..ROUNDS {
             layout.relax(&springs);
+            layout.part();
         }
         layout
     }
@@ -71,6 +77,22 @@ impl Layout {
             self.positions[place] = Point::from(wishes / count);
             let lean: f64 = ends.iter().map(|&(here, far)| self.lean(here, far)).sum();
             self.headings[place] += 0.5 * lean / count;
+        }
+    }
+
+    fn part(&mut self) {
+        let count = self.positions.len();
+        for (a, b) in (0..count.min(MOST_APART)).flat_map(|b| (0..b).map(move |a| (a, b))) {
+            let gap = self.positions[b] - self.positions[a];
+            if gap.norm() < ROOM {
+                // Places on the very same spot part in a direction that their numbers give.
+                let away = gap.try_normalize(1e-9).unwrap_or_else(|| direction(b as f64));
+                let push = away * (ROOM - gap.norm()) / 2.0;
+                self.positions[b] += push;
+                if a > 0 {
+                    self.positions[a] -= push;
+                }
+            }
         }
     }
 

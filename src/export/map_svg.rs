@@ -8,7 +8,7 @@ use svg::node::element::{Circle, Group, Line, Path, Rectangle, Text};
 
 /// User units a segment.
 const UNIT: f64 = 150.0;
-const MARGIN: f64 = 90.0;
+const MARGIN: f64 = 100.0;
 const HEADER: f64 = 56.0;
 const PLACE_RADIUS: f64 = 19.0;
 const STUB: f64 = 44.0;
@@ -32,12 +32,15 @@ pub fn map_svg(map: &MapGraph, title: &str, subtitle: &str) -> String {
         .add(sheet.segments())
         .add(sheet.stubs())
         .add(sheet.places())
-        .add(label(LEGEND, 24.0, height - 16.0, 11.0, FAINT));
+        .add(label(LEGEND[0], 24.0, height - 32.0, 11.0, FAINT))
+        .add(label(LEGEND[1], 24.0, height - 16.0, 11.0, FAINT));
     document.to_string()
 }
 
-const LEGEND: &str = "one colour a path; dashed: gateway not explored; bar: dead end; ring: open, no control law; \
-                      yellow: the robot";
+const LEGEND: [&str; 2] = [
+    "one colour a path; dashed: a gateway not explored yet; yellow: the robot",
+    "bar: a path ends, blocked; ring: a path ends in the open, where no control law applies",
+];
 
 struct Sheet<'a> {
     map: &'a MapGraph,
