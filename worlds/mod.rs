@@ -4,16 +4,21 @@
 //! counts; `README.md` beside this file describes it field by field. The files are part of the library, so that
 //! tests, benches and the demo need nothing but the program.
 
+mod fault;
 mod format;
+mod places;
 mod random;
 mod shapes;
+mod walk;
 pub mod drawing;
 pub mod loader;
+pub mod picture;
 pub mod rendering;
 pub mod simulator;
 pub mod world;
 
 pub use loader::{WorldError, load};
+pub use picture::picture;
 pub use rendering::{LpmTrace, lpm_trace};
 pub use simulator::{StarTrace, star_trace};
 pub use world::{Exit, Expectation, Minimal, Place, PlaceSlot, SlotRef, Truth, Visit, Walk, World};
@@ -36,7 +41,14 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     FILES.iter().map(|(name, _)| *name)
 }
 
-/// The bundled world of a name, if there is one.
-pub fn bundled(name: &str) -> Option<Result<World, WorldError>> {
-    FILES.iter().find(|(known, _)| *known == name).map(|(name, text)| load(name, text))
+/// The bundled world of a name.
+pub fn bundled(name: &str) -> Result<World, WorldError> {
+    match FILES.iter().find(|(known, _)| *known == name) {
+        Some((name, text)) => load(name, text),
+        None => {
+            let known = FILES.map(|(name, _)| name).join(", ");
+            let message = format!("no world is called so, expected one of {known}");
+            Err(WorldError { file: name.into(), field: ".".into(), message })
+        }
+    }
 }

@@ -2,14 +2,16 @@
 
 use crate::geometry::Point;
 use crate::worlds::drawing::{Drawing, Shape};
+use crate::worlds::fault::Fault;
 use crate::worlds::format::{WireDrawing, WireShape};
 
-/// The drawing of a file; the error is the field at fault and what is wrong with it.
-pub(super) fn read_drawing(wire: &WireDrawing) -> Result<Drawing, (String, String)> {
-    let all = |shapes: &[WireShape], name: &str| -> Result<Vec<Shape>, (String, String)> {
+/// The drawing of a file.
+pub(super) fn read_drawing(wire: &WireDrawing) -> Result<Drawing, Fault> {
+    let all = |shapes: &[WireShape], name: &str| -> Result<Vec<Shape>, Fault> {
         let mut read = Vec::new();
         for (index, shape) in shapes.iter().enumerate() {
-            let field = |message: &str| (format!("drawing.{name}[{index}]"), message.into());
+            let field =
+                |message: &str| Fault { field: format!("drawing.{name}[{index}]"), message: message.into() };
             read.extend(read_shape(shape).map_err(field)?);
         }
         Ok(read)

@@ -5,8 +5,9 @@ use crate::star::{ControlLaw, Direction, FragmentId, GatewayId, Slot, SlotIndex,
 use crate::worlds::drawing::Drawing;
 use std::collections::BTreeMap;
 
-/// A true world with a walk through it.
+/// A true world with a walk through it. Only the loader makes one, so places and slots referred to exist.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct World {
     /// The file it came from, without its ending.
     pub name: String,

@@ -3,7 +3,7 @@
 use super::failure::Failure;
 use super::input::read_events;
 use crate::abduction::{AxiomSet, Profile, Report, StopReason};
-use crate::export::{self, map_svg, map_text};
+use crate::export::{self, MapGraph, map_svg, map_text};
 use crate::service::{Limits, MapConfig, Session};
 use crate::trace::{Event, write_event};
 use clap::{Args, ValueEnum};
@@ -133,12 +133,12 @@ fn in_words(report: &Report, wire: &export::Report) -> String {
         wire.refuted.iter().map(|(axiom, count)| format!(" {axiom} {count}")).collect();
     text += &refuted.join(",");
     text += "\n\n";
-    let Some(candidate) = report.minimal.first() else {
+    let (Some(candidate), Some(preferred)) = (report.minimal.first(), &wire.preferred) else {
         return text + "no map\n";
     };
-    text += &headline(wire);
+    text += &headline(&wire.candidates, preferred, wire.minimal.len());
     text += "\n";
-    text += &map_text(candidate);
+    text += &map_text(&MapGraph::of(candidate));
     let rivals = report
         .minimal
         .iter()
@@ -147,20 +147,27 @@ fn in_words(report: &Report, wire: &export::Report) -> String {
     text + &rivals.collect::<String>()
 }
 
-/// What is known of the preferred map, in one line.
-pub(super) fn headline(wire: &export::Report) -> String {
-    let Some(preferred) = &wire.preferred else { return "no map".into() };
-    let count = match wire.candidates.relation {
-        export::Relation::Eq => format!("1 of {} possible", wire.candidates.value),
-        export::Relation::Gte => format!("1 of at least {} possible", wire.candidates.value),
+/// The preferred map in two lines: how sure it is and how big, and the place of each visit.
+pub(super) fn headline(candidates: &export::Count, preferred: &export::Preferred, ties: usize) -> String {
+    let export::Preferred { places, paths, segments, dstates, visits, .. } = preferred;
+    format!(
+        "preferred map: {}\n{places} places, {paths} paths, {segments} path segments, {dstates} dstates\n\
+         visits to places {}\n",
+        certainty(candidates, preferred, ties),
+        numbers(visits),
+    )
+}
+
+/// How sure the preferred map is.
+pub(super) fn certainty(candidates: &export::Count, preferred: &export::Preferred, ties: usize) -> String {
+    let count = match candidates.relation {
+        export::Relation::Eq => format!("1 of {} possible", candidates.value),
+        export::Relation::Gte => format!("1 of at least {} possible", candidates.value),
     };
-    let ties = if preferred.unique {
-        "the only one as simple".into()
-    } else {
-        format!("{} as simple", wire.minimal.len())
-    };
+    let simplest =
+        if preferred.unique { "the simplest".into() } else { format!("1 of {ties} equally simple") };
     let proof = if preferred.proven { "proven" } else { "not proven" };
-    format!("preferred map: {count}, {ties}, {proof}")
+    format!("{count}, {simplest}, {proof}")
 }
 
 fn numbers(places: &[usize]) -> String {
@@ -186,9 +193,11 @@ fn write_files(
     events.iter().try_for_each(|event| write_event(&mut trace, event))?;
     write("trace.ndjson", &trace)?;
     write("report.json", json(wire)?.as_bytes())?;
-    if let Some(candidate) = report.minimal.first() {
-        write("map.txt", map_text(candidate).as_bytes())?;
-        write("map.svg", map_svg(candidate, "Preferred map", &headline(wire)).as_bytes())?;
+    if let (Some(candidate), Some(preferred)) = (report.minimal.first(), &wire.preferred) {
+        let map = MapGraph::of(candidate);
+        let certainty = certainty(&wire.candidates, preferred, wire.minimal.len());
+        write("map.txt", map_text(&map).as_bytes())?;
+        write("map.svg", map_svg(&map, "Preferred map", &certainty).as_bytes())?;
     }
     eprintln!("written to {}", folder.display());
     Ok(())

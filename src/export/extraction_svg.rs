@@ -242,3 +242,26 @@ fn gateway_names(slot: &Slot) -> String {
 fn degrees(slot: &Slot) -> String {
     slot.bearing.map_or_else(String::new, |bearing| format!("{:.0}\u{b0}", bearing.to_degrees()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lpm::Lpm;
+    use crate::star::{PerceptionParameters, describe};
+    use crate::worlds::drawing::{Drawing, window};
+
+    #[test]
+    fn every_gateway_and_slot_is_drawn() {
+        let tee =
+            Drawing::new().corridor((-9.0, 0.0), (9.0, 0.0), 2.0).corridor((0.0, 0.0), (0.0, -9.0), 2.0);
+        let robot_pose = Pose::new(0.0, -0.8, 1.6);
+        let grid = tee.render(&window(12.0, 0.1, Point::origin(), 0.0), &Point::origin()).unwrap();
+        let place = describe(&Lpm { grid, robot_pose }, &PerceptionParameters::default()).unwrap();
+        let picture = extraction_svg(&place, &robot_pose);
+        for text in ["gw1 out &amp; gw3 in", "DeadEnd", "PF2\u{2212}", "2 m"] {
+            assert!(picture.contains(text), "{text} is missing");
+        }
+        assert_eq!(picture.matches("Midline").count(), 3);
+        assert_eq!(picture, extraction_svg(&place, &robot_pose));
+    }
+}

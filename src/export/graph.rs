@@ -3,12 +3,12 @@
 use crate::abduction::Candidate;
 use crate::map::{BoundSlot, DstateId, Paths, PlaceId, Segment, TopoPath, TopologicalMap};
 use crate::trace::wire::{WireControl, WireDirection};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 /// The topological map of a candidate: places with their stars bound to paths, paths, path segments and the
 /// frontier.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, ToSchema)]
 pub struct MapGraph {
     /// Places, by number.
     pub places: Vec<GraphPlace>,
@@ -23,7 +23,7 @@ pub struct MapGraph {
 }
 
 /// A place.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, ToSchema)]
 pub struct GraphPlace {
     /// Its number, by first visit.
     pub id: usize,
@@ -34,7 +34,7 @@ pub struct GraphPlace {
 }
 
 /// A distinctive state: a slot of a place's star, facing outward along a directed path.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, ToSchema)]
 pub struct GraphDstate {
     /// The slot, as at the first visit to the place.
     pub slot: u8,
@@ -51,7 +51,7 @@ pub struct GraphDstate {
 }
 
 /// A path.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, ToSchema)]
 pub struct GraphPath {
     /// Its number.
     pub id: u32,
@@ -62,7 +62,7 @@ pub struct GraphPath {
 }
 
 /// A travelled path segment.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, ToSchema)]
 pub struct GraphSegment {
     /// Its number.
     pub id: u32,
@@ -71,7 +71,7 @@ pub struct GraphSegment {
 }
 
 /// A place and a slot of its star.
-#[derive(Clone, Copy, Debug, Serialize, ToSchema)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, ToSchema)]
 pub struct GraphGateway {
     /// The number of the place.
     pub place: usize,

@@ -1,10 +1,8 @@
-//! A candidate's map as a drawing: places, paths in colours, segments, unexplored gateways and dead ends.
+//! A map as a drawing: places, paths in colours, segments, unexplored gateways and dead ends.
 
-use crate::abduction::Candidate;
-use crate::export::layout::Layout;
+use crate::export::{GraphDstate, GraphGateway, GraphPlace, GraphSegment, Layout, MapGraph};
 use crate::geometry::{Point, Vector, direction};
-use crate::map::{DstateId, Paths, TopologicalMap};
-use crate::star::ControlLaw;
+use crate::trace::wire::WireControl;
 use svg::Document;
 use svg::node::element::{Circle, Group, Line, Path, Rectangle, Text};
 
@@ -20,8 +18,7 @@ const INK: &str = "#1f2933";
 const FAINT: &str = "#7b8794";
 
 /// An SVG document of a map, under a title and one line of explanation.
-pub fn map_svg(candidate: &Candidate, title: &str, subtitle: &str) -> String {
-    let map = candidate.map.as_ref();
+pub fn map_svg(map: &MapGraph, title: &str, subtitle: &str) -> String {
     let sheet = Sheet::new(map);
     let (width, height) = sheet.size();
     let document = Document::new()
@@ -32,37 +29,37 @@ pub fn map_svg(candidate: &Candidate, title: &str, subtitle: &str) -> String {
         .add(Rectangle::new().set("width", width).set("height", height).set("fill", "white"))
         .add(label(title, 24.0, 30.0, 17.0, INK).set("font-weight", "600"))
         .add(label(subtitle, 24.0, 50.0, 12.5, FAINT))
-        .add(sheet.segments(map))
-        .add(sheet.stubs(map))
-        .add(sheet.places(candidate))
+        .add(sheet.segments())
+        .add(sheet.stubs())
+        .add(sheet.places())
         .add(label(LEGEND, 24.0, height - 16.0, 11.0, FAINT));
     document.to_string()
 }
 
-const LEGEND: &str =
-    "one colour a path; dashed: gateway not explored; bar: dead end; ring: open, no control law";
+const LEGEND: &str = "one colour a path; dashed: gateway not explored; bar: dead end; ring: open, no control law; \
+                      yellow: the robot";
 
-struct Sheet {
+struct Sheet<'a> {
+    map: &'a MapGraph,
     layout: Layout,
-    paths: Paths,
     low: Point,
     high: Point,
 }
 
-impl Sheet {
-    fn new(map: &TopologicalMap) -> Sheet {
+impl<'a> Sheet<'a> {
+    fn new(map: &'a MapGraph) -> Sheet<'a> {
         let layout = Layout::of(map);
-        let origin = (Point::origin(), Point::origin());
-        let (low, high) = map
-            .places()
-            .map(|place| layout.position(place))
-            .fold(origin, |(low, high), at| (low.inf(&at), high.sup(&at)));
-        Sheet { layout, paths: Paths::of(map), low, high }
+        let (mut low, mut high) = (Point::origin(), Point::origin());
+        for place in &map.places {
+            let at = layout.position(place.id);
+            (low, high) = (low.inf(&at), high.sup(&at));
+        }
+        Sheet { map, layout, low, high }
     }
 
     fn size(&self) -> (f64, f64) {
         let extent = (self.high - self.low) * UNIT;
-        ((extent.x + 2.0 * MARGIN).max(560.0), extent.y + 2.0 * MARGIN + HEADER)
+        (round((extent.x + 2.0 * MARGIN).max(620.0)), round(extent.y + 2.0 * MARGIN + HEADER))
     }
 
     /// From layout units, y upward, to user units, y downward.
@@ -73,59 +70,70 @@ impl Sheet {
         Vector::new(left + offset.x, HEADER + MARGIN + (self.high.y - self.low.y) * UNIT - offset.y)
     }
 
-    fn out(&self, dstate: DstateId) -> Vector {
-        let facing = direction(self.layout.facing(dstate));
+    /// The direction in which a slot is drawn.
+    fn out(&self, at: GraphGateway) -> Vector {
+        let facing = direction(self.layout.facing(at));
         Vector::new(facing.x, -facing.y)
     }
 
-    fn color(&self, map: &TopologicalMap, dstate: DstateId) -> &'static str {
-        COLORS[self.paths.along(map, dstate).path.0 as usize % COLORS.len()]
+    fn color(&self, at: GraphGateway) -> &'static str {
+        let dstate = &self.map.places[at.place].dstates[usize::from(at.slot)];
+        COLORS[dstate.path as usize % COLORS.len()]
     }
 
-    /// Segments leave each end in its slot's direction.
-    fn segments(&self, map: &TopologicalMap) -> Group {
-        let curve = |[from, to]: [DstateId; 2]| {
-            let (a, b) =
-                (self.at(&self.layout.position(from.place)), self.at(&self.layout.position(to.place)));
-            let pull = 0.4 * (b - a).norm().max(0.5 * UNIT);
-            let (c, d) = (a + self.out(from) * pull, b + self.out(to) * pull);
-            let data = format!("M{} C{} {} {}", pair(&a), pair(&c), pair(&d), pair(&b));
-            Path::new().set("d", data).set("stroke", self.color(map, from))
-        };
+    fn segments(&self) -> Group {
         let group = Group::new().set("fill", "none").set("stroke-width", 6).set("stroke-linecap", "round");
-        map.segments().iter().map(|segment| curve(segment.ends)).fold(group, Group::add)
+        self.map.segments.iter().fold(group, |group, segment| group.add(self.segment(segment)))
+    }
+
+    /// A segment leaves each end in its slot's direction.
+    fn segment(&self, segment: &GraphSegment) -> Path {
+        let [from, to] = segment.ends;
+        let (a, b) = (self.at(&self.layout.position(from.place)), self.at(&self.layout.position(to.place)));
+        let pull = 0.4 * (b - a).norm().max(0.5 * UNIT);
+        let (c, d) = (a + self.out(from) * pull, b + self.out(to) * pull);
+        let data = format!("M{} C{} {} {}", pair(&a), pair(&c), pair(&d), pair(&b));
+        Path::new().set("d", data).set("stroke", self.color(from))
     }
 
     /// What leads on unexplored, and where paths end.
-    fn stubs(&self, map: &TopologicalMap) -> Group {
-        let open = map.dstates().filter(|&dstate| map.far_end(dstate).is_none());
-        open.fold(Group::new().set("fill", "none").set("stroke-width", 4), |group, dstate| {
-            let slot = map.star(dstate.place).slots()[usize::from(dstate.slot.0)];
-            let from = self.at(&self.layout.position(dstate.place));
-            let out = self.out(dstate);
-            let color = self.color(map, dstate);
-            if slot.navigable {
-                return group.add(line(&from, &(from + out * STUB), color).set("stroke-dasharray", "5 5"));
-            }
-            let end = from + out * (PLACE_RADIUS + 9.0);
-            let group = group.add(line(&from, &end, color));
-            if slot.control == ControlLaw::DeadEnd {
-                let across = Vector::new(-out.y, out.x) * 9.0;
-                group.add(line(&(end - across), &(end + across), color))
-            } else {
-                let ring = end + out * 5.0;
-                group.add(Circle::new().set("cx", ring.x).set("cy", ring.y).set("r", 5).set("stroke", color))
-            }
+    fn stubs(&self) -> Group {
+        let group = Group::new().set("fill", "none").set("stroke-width", 4);
+        self.map.places.iter().fold(group, |group, place| {
+            let open = place.dstates.iter().filter(|dstate| dstate.far_end.is_none());
+            open.fold(group, |group, dstate| group.add(self.stub(place, dstate)))
         })
     }
 
-    fn places(&self, candidate: &Candidate) -> Group {
-        candidate.map.places().fold(Group::new(), |group, place| {
-            let at = self.at(&self.layout.position(place));
-            let here = candidate.robot.place == place;
+    fn stub(&self, place: &GraphPlace, dstate: &GraphDstate) -> Group {
+        let at = GraphGateway { place: place.id, slot: dstate.slot };
+        let (from, out, color) = (self.at(&self.layout.position(place.id)), self.out(at), self.color(at));
+        if dstate.navigable {
+            let way = line(&from, &(from + out * STUB), color).set("stroke-dasharray", "5 5");
+            return Group::new().add(way);
+        }
+        let end = from + out * (PLACE_RADIUS + 9.0);
+        let group = Group::new().add(line(&from, &end, color));
+        match dstate.control {
+            WireControl::DeadEnd => {
+                let across = Vector::new(-out.y, out.x) * 9.0;
+                group.add(line(&(end - across), &(end + across), color))
+            }
+            _ => {
+                let ring = end + out * 5.0;
+                let ring = Circle::new().set("cx", round(ring.x)).set("cy", round(ring.y)).set("r", 5);
+                group.add(ring.set("stroke", color))
+            }
+        }
+    }
+
+    fn places(&self) -> Group {
+        self.map.places.iter().fold(Group::new(), |group, place| {
+            let at = self.at(&self.layout.position(place.id));
+            let here = self.map.robot.place == place.id;
             let circle = Circle::new().set("cx", round(at.x)).set("cy", round(at.y)).set("r", PLACE_RADIUS);
-            let circle = circle.set("fill", if here { "#fff3c4" } else { "white" });
-            let number = label(&place.index().to_string(), at.x, at.y + 6.0, 17.0, INK);
+            let circle = circle.set("fill", if here { "#ffe08a" } else { "white" });
+            let number = label(&place.id.to_string(), at.x, at.y + 6.0, 17.0, INK);
             group
                 .add(circle.set("stroke", INK).set("stroke-width", 2))
                 .add(number.set("text-anchor", "middle").set("font-weight", "600"))

@@ -1,57 +1,67 @@
-//! A candidate's map in words.
+//! A map in words.
 
-use crate::abduction::Candidate;
-use crate::map::{BoundSlot, Paths, TopoPath, TopologicalMap};
-use crate::star::{ControlLaw, Direction};
+use crate::export::{GraphDstate, GraphPath, GraphPlace, MapGraph};
+use crate::trace::wire::{WireControl, WireDirection};
 use std::fmt::Write;
 
-/// The map as lines of text: its counts, the places on each path in order, and the star of each place clockwise.
-pub fn map_text(candidate: &Candidate) -> String {
-    let map = candidate.map.as_ref();
-    let paths = Paths::of(map);
-    let mut text = String::new();
-    let visits: Vec<String> = candidate.places().iter().map(usize::to_string).collect();
-    let counts = [
-        (map.place_count(), "places"),
-        (map.path_count(), "paths"),
-        (map.segment_count(), "path segments"),
-        (map.dstate_count(), "dstates"),
-    ];
-    let counts: Vec<String> = counts.iter().map(|(count, what)| format!("{count} {what}")).collect();
-    // Writing into a String cannot fail.
-    let _ = writeln!(text, "{}", counts.join(", "));
-    let _ = writeln!(text, "visits  {}", visits.join(" "));
-    let _ = writeln!(text, "\npaths, with the places on them in order");
-    for path in paths.iter() {
-        let _ = writeln!(text, "  Pa{:<3} {}", path.id.0 + 1, stops(path));
+/// The map as lines of text: the places on each path in order, and the star of each place clockwise.
+pub fn map_text(map: &MapGraph) -> String {
+    let mut text = String::from("paths, with the places on them in order\n");
+    for path in &map.paths {
+        // Writing into a String cannot fail.
+        let _ = writeln!(text, "  Pa{:<3} {}", path.id + 1, stops(path));
     }
-    let _ =
-        writeln!(text, "\nplaces, with their large-scale stars clockwise; a path in parentheses ends here");
-    for place in map.places() {
-        let slots: Vec<String> =
-            paths.bound_star(map, place).iter().map(|slot| slot_text(map, slot)).collect();
-        let _ = writeln!(text, "  {:<3} {}", place.index(), slots.join("  "));
+    text += "\nplaces, with their large-scale stars clockwise; a path in parentheses ends here\n";
+    for place in &map.places {
+        let slots: Vec<String> = place.dstates.iter().map(slot_text).collect();
+        let _ = writeln!(text, "  {:<3} {}", place.id, slots.join("  "));
     }
     text
 }
 
-fn stops(path: &TopoPath) -> String {
-    let places: Vec<String> = path.stops.iter().map(|stop| stop.back.place.index().to_string()).collect();
-    places.join(" - ")
+/// What kind of place it is: how many ways lead out, and how many paths pass through.
+pub fn place_type(place: &GraphPlace) -> String {
+    let exits = place.dstates.iter().filter(|dstate| dstate.navigable).count();
+    let through = place.size - exits;
+    let shape = match (exits, through) {
+        (1, _) => "dead end".into(),
+        (2, 0) => "passage".into(),
+        (2, _) => "corner".into(),
+        (3, 1) => "T".into(),
+        (4, 0) => "crossing".into(),
+        _ => format!("{exits}-way"),
+    };
+    let mut ends: Vec<&str> = place
+        .dstates
+        .iter()
+        .filter(|dstate| !dstate.navigable)
+        .map(|dstate| blocked(dstate.control))
+        .collect();
+    ends.sort_unstable();
+    ends.dedup();
+    if ends == ["open"] { format!("{shape}, open side") } else { shape }
 }
 
-fn slot_text(map: &TopologicalMap, slot: &BoundSlot) -> String {
-    let sign = match slot.along.direction {
-        Direction::Plus => '+',
-        Direction::Minus => '-',
+fn stops(path: &GraphPath) -> String {
+    path.places.iter().map(usize::to_string).collect::<Vec<_>>().join(" - ")
+}
+
+fn slot_text(dstate: &GraphDstate) -> String {
+    let sign = match dstate.direction {
+        WireDirection::Plus => '+',
+        WireDirection::Minus => '-',
     };
-    let name = format!("Pa{}{sign}", slot.along.path.0 + 1);
-    if slot.terminates {
-        let control = map.star(slot.dstate.place).slots()[usize::from(slot.dstate.slot.0)].control;
-        return format!("({name} {})", if control == ControlLaw::DeadEnd { "blocked" } else { "open" });
+    let name = format!("Pa{}{sign}", dstate.path + 1);
+    match dstate.far_end {
+        Some(far) => format!("{name} to {}", far.place),
+        None if dstate.navigable => format!("{name} unexplored"),
+        None => format!("({name} {})", blocked(dstate.control)),
     }
-    match map.far_end(slot.dstate) {
-        Some(far) => format!("{name} to {}", far.place.index()),
-        None => format!("{name} unexplored"),
+}
+
+fn blocked(control: WireControl) -> &'static str {
+    match control {
+        WireControl::None => "open",
+        _ => "blocked",
     }
 }

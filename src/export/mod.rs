@@ -14,5 +14,5 @@ pub use extraction_svg::extraction_svg;
 pub use graph::{GraphDstate, GraphGateway, GraphPath, GraphPlace, GraphSegment, MapGraph};
 pub use layout::Layout;
 pub use map_svg::map_svg;
-pub use map_text::map_text;
+pub use map_text::{map_text, place_type};
 pub use report::{Count, Extinction, Preferred, Relation, Report, StopReason, Strategy, profile_name};

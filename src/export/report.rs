@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use utoipa::ToSchema;
 
 /// What an abduction has found. Fields are added, never renamed or removed, within one `version`.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, ToSchema)]
 pub struct Report {
     /// Version of this format: 1.
     pub version: u32,
@@ -17,19 +17,22 @@ pub struct Report {
     /// How many maps were made in the search; where `complete` is false, at least as many.
     pub maps_created: u64,
     /// How many candidates each axiom refuted, by the name of the axiom; all axioms held are named.
-    pub refuted: BTreeMap<&'static str, u64>,
+    pub refuted: BTreeMap<String, u64>,
     /// How the candidates were searched.
     pub strategy: Strategy,
     /// The profile that holds exactly these axioms, or `custom`.
-    pub profile: &'static str,
+    pub profile: String,
     /// The axioms held.
-    pub axioms: Vec<&'static str>,
+    pub axioms: Vec<String>,
     /// Whether every candidate there is was kept.
     pub complete: bool,
     /// The simplest map; null before the first observation and when no map is left.
     pub preferred: Option<Preferred>,
     /// The `visits` of each candidate as simple as the preferred one, that one first.
     pub minimal: Vec<Vec<usize>>,
+    /// How many different maps these are: where a robot came to a place by more than one story, two candidates
+    /// can be one map with its places numbered differently.
+    pub minimal_maps: usize,
     /// Why the search ended early; null if every candidate was followed to the last observation.
     pub stop_reason: Option<StopReason>,
     /// What refuted the last candidates; null unless no candidate is left.
@@ -40,7 +43,7 @@ pub struct Report {
 }
 
 /// A count that says whether it is exact.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ToSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct Count {
     /// The number counted.
     pub value: u64,
@@ -49,7 +52,7 @@ pub struct Count {
 }
 
 /// How a true number compares with the number counted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ToSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Relation {
     /// It is equal.
@@ -68,7 +71,7 @@ pub enum Strategy {
 }
 
 /// The simplest map.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, ToSchema)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct Preferred {
     /// Whether it is the only one this simple.
     pub unique: bool,
@@ -87,7 +90,7 @@ pub struct Preferred {
 }
 
 /// Why a search ended early.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ToSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum StopReason {
     /// The limit on candidates cut the search.
@@ -97,12 +100,12 @@ pub enum StopReason {
 }
 
 /// The end of all candidates.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, ToSchema)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct Extinction {
     /// The observation that nothing explains, counted from 0.
     pub observation: usize,
     /// The axioms that refuted the last candidates.
-    pub axioms: Vec<&'static str>,
+    pub axioms: Vec<String>,
 }
 
 impl Report {
@@ -119,11 +122,12 @@ impl Report {
             maps_created: found.maps_created.value,
             refuted: refuted(found, axioms),
             strategy: Strategy::BreadthFirst,
-            profile: profile_name(axioms),
-            axioms: axioms.iter().map(|axiom| axiom.name).collect(),
+            profile: profile_name(axioms).into(),
+            axioms: axioms.iter().map(|axiom| axiom.name.into()).collect(),
             complete: found.complete,
             preferred: Preferred::of(found),
             minimal: found.minimal.iter().map(Candidate::places).collect(),
+            minimal_maps: found.minimal_maps(),
             stop_reason: StopReason::of(found.stop_reason),
             extinction: found.extinction.as_ref().map(Extinction::of),
             seconds: None,
@@ -161,7 +165,7 @@ impl StopReason {
 impl Extinction {
     /// The wire form.
     pub fn of(extinction: &abduction::Extinction) -> Extinction {
-        let axioms = extinction.axioms.iter().map(|axiom| axiom.name()).collect();
+        let axioms = extinction.axioms.iter().map(|axiom| axiom.name().into()).collect();
         Extinction { observation: extinction.observation, axioms }
     }
 }
@@ -176,9 +180,9 @@ impl From<abduction::Count> for Count {
     }
 }
 
-fn refuted(found: &abduction::Report, axioms: AxiomSet) -> BTreeMap<&'static str, u64> {
-    let none = axioms.iter().map(|axiom| (axiom.name, 0));
-    none.chain(found.refuted.iter().map(|(axiom, count)| (axiom.name(), count))).collect()
+fn refuted(found: &abduction::Report, axioms: AxiomSet) -> BTreeMap<String, u64> {
+    let none = axioms.iter().map(|axiom| (axiom.name.to_owned(), 0));
+    none.chain(found.refuted.iter().map(|(axiom, count)| (axiom.name().to_owned(), count))).collect()
 }
 
 /// The name of the profile that holds exactly these axioms, or `custom`.

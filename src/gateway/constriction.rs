@@ -10,25 +10,17 @@ use crate::gateway::way::{Way, local};
 use crate::geometry::{Point, Vector};
 use crate::grid::DistanceField;
 
-/// A found constriction.
-pub(super) struct Constriction {
-    /// Index on the way.
-    pub(super) at: usize,
-    /// By how much the way narrowed up to here, metres; nothing if it did not and the cap decided.
-    pub(super) depth: Option<f64>,
-}
-
-/// The first constriction of a way, or its cap.
+/// The index of the first constriction on a way, or of its cap.
 pub(super) fn first_constriction(
     way: &Way,
     distance: &DistanceField,
     parameters: &GatewayParameters,
-) -> Constriction {
+) -> usize {
     let resolution = distance.info().resolution;
     let least = parameters.constriction_depth.max(resolution);
     let limit = 2.0 * way.clearance[0] + parameters.cap;
     let mut corners: Vec<Point> = Vec::new();
-    let mut depth: f64 = 0.0;
+    let mut narrows = false;
     for at in 0..way.points.len() {
         let here = way.points[at];
         if (here - way.points[0]).norm() > limit {
@@ -36,20 +28,23 @@ pub(super) fn first_constriction(
         }
         let Some(along) = heading(way, at, parameters) else { break };
         corners.retain(|corner| along.dot(&(corner - here)) > resolution / 2.0);
+        // Every other cell is enough to see a corner come, but not to see that none is left.
+        if at % 2 == 1 && !corners.is_empty() {
+            continue;
+        }
         let sides = distance.sides(way.cells[at], &along, 1.5 * resolution);
         for cell in [sides.left, sides.right].into_iter().flatten() {
             let corner = local(cell, resolution);
-            let fall = fall(&(corner - here), &along);
-            if fall > least {
-                depth = depth.max(fall);
+            if fall(&(corner - here), &along) > least {
+                narrows = true;
                 corners.push(corner);
             }
         }
-        if depth > 0.0 && corners.is_empty() && stays_narrow(way, at, least, parameters) {
-            return Constriction { at, depth: Some(depth) };
+        if narrows && corners.is_empty() && stays_narrow(way, at, least, parameters) {
+            return at;
         }
     }
-    Constriction { at: cap(way, parameters), depth: None }
+    cap(way, parameters)
 }
 
 /// How much nearer an obstacle will come before it is abreast; 0 if it is abreast or behind.

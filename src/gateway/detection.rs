@@ -1,6 +1,6 @@
 //! The gateways of the place in which the robot stands, one for each way out.
 
-use crate::gateway::constriction::{Constriction, first_constriction};
+use crate::gateway::constriction::first_constriction;
 use crate::gateway::place::place_center;
 use crate::gateway::way::{Way, local};
 use crate::gateway::{Beyond, Gateway, GatewayParameters};
@@ -29,13 +29,13 @@ pub fn find_gateways(
     let center = place_center(graph, distance, robot, parameters)?;
     let found = graph.ways_out(center).into_iter().map(|cells| {
         let way = Way::new(cells, distance);
-        let constriction = first_constriction(&way, distance, parameters);
-        (way, constriction)
+        let at = first_constriction(&way, distance, parameters);
+        (way, at)
     });
     let found = innermost(found.collect(), distance.info().resolution);
-    let anchored = found.iter().map(|(way, constriction)| {
+    let anchored = found.iter().map(|(way, at)| {
         let measure = Measure { way, distance, skeleton, parameters };
-        measure.gateway(constriction)
+        measure.gateway(*at)
     });
     let gateways: Vec<Gateway> = anchored.collect::<Option<_>>()?;
     let node = &graph.graph[center];
@@ -48,16 +48,14 @@ pub fn find_gateways(
 
 /// Several exits can lie behind one gateway: of constrictions closer together than half their clearance, or one
 /// behind the other on a way, only the first is kept.
-fn innermost(found: Vec<(Way, Constriction)>, resolution: f64) -> Vec<(Way, Constriction)> {
-    let place = |(way, constriction): &(Way, Constriction)| {
-        (way.points[constriction.at], way.clearance[constriction.at], way.arc[constriction.at])
-    };
+fn innermost(found: Vec<(Way, usize)>, resolution: f64) -> Vec<(Way, usize)> {
+    let place = |(way, at): &(Way, usize)| (way.points[*at], way.clearance[*at], way.arc[*at]);
     let behind = |i: usize| {
         let (at, clearance, arc) = place(&found[i]);
         (0..found.len()).any(|j| {
             let (other, _, other_arc) = place(&found[j]);
             let passed =
-                found[i].0.points[..found[i].1.at].iter().any(|p| (p - other).norm() < resolution / 2.0);
+                found[i].0.points[..found[i].1].iter().any(|p| (p - other).norm() < resolution / 2.0);
             let beside = (at - other).norm() < (clearance / 2.0).max(2.0 * resolution);
             j != i && (passed || (beside && (other_arc, j) < (arc, i)))
         })
@@ -75,22 +73,20 @@ struct Measure<'a> {
 }
 
 impl Measure<'_> {
-    fn gateway(&self, constriction: &Constriction) -> Option<Gateway> {
+    fn gateway(&self, at: usize) -> Option<Gateway> {
         let info = self.distance.info();
-        let at = constriction.at;
         let outward = self.outward(at)?;
         let [left, right] = self.ends(at, &outward);
         let width = (left - right).norm() - info.resolution;
-        let least = self.parameters.constriction_depth.max(info.resolution);
-        let narrowed = constriction.depth.map_or(0.0, |depth| depth / least - 1.0);
-        let passable = (width / self.skeleton.passage_width - 1.0).max(0.0);
+        let narrowest = self.way.clearance.iter().copied().fold(f64::INFINITY, f64::min);
+        let passage = 2.0 * narrowest - info.resolution;
         let to_frame = |point: &Point| info.origin.transform_point(point);
         Some(Gateway {
             center: to_frame(&self.way.points[at]),
             ends: [to_frame(&left), to_frame(&right)],
             bearing: wrap_angle(bearing(&outward) + info.origin.theta),
             width,
-            margin: narrowed.min(passable),
+            margin: (passage / self.skeleton.passage_width - 1.0).max(0.0),
             beyond: self.beyond(at),
         })
     }

@@ -23,7 +23,8 @@ pub struct Gateway {
     pub bearing: f64,
     /// Clear width at the constriction, metres.
     pub width: f64,
-    /// How far the gateway is from not being one, as a fraction of the deciding threshold.
+    /// How far the gateway is from not being one: by how much the narrowest part of its way out is wider than the
+    /// passage width, as a fraction of it.
     pub margin: f64,
     /// The way out from the gateway's centre along the skeleton, LPM frame.
     pub beyond: Vec<Beyond>,

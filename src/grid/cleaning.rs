@@ -8,8 +8,8 @@ pub struct CleaningParameters {
     /// Patches of occupied cells below this area are stray range readings. Default 0.015, which is six cells of
     /// 5 cm: a leg of a chair seen once, not a wall.
     pub stray: f64,
-    /// Patches without any free cell below this area, surrounded by free space, do not part the ways around
-    /// them: thin posts and shadows between rays. Default 0.25.
+    /// Patches without any free cell below this area do not part the ways around them: thin posts, legs, and
+    /// shadows between rays. Default 0.25.
     pub speck: f64,
 }
 
@@ -20,62 +20,86 @@ impl Default for CleaningParameters {
 }
 
 /// The grid without specks. First stray occupied patches (cells touching by side or corner) become unknown, then
-/// patches that are not free (cells touching by side) become free unless they touch the edge of the grid.
+/// patches that are not free (cells touching by side) become free.
 pub fn clean(grid: &OccupancyGrid, parameters: &CleaningParameters) -> OccupancyGrid {
     let info = *grid.info();
     let cell_area = info.resolution * info.resolution;
     let mut cells = grid.cells().to_vec();
-    for patch in patches(&info, &cells, true, |cell| cell == Cell::Occupied) {
-        if (patch.len() as f64) * cell_area < parameters.stray - ROUNDING {
-            patch.iter().for_each(|&i| cells[i] = Cell::Unknown);
-        }
-    }
-    for patch in patches(&info, &cells, false, |cell| cell != Cell::Free) {
-        let inside = |&i: &usize| !on_edge(&info, i);
-        if (patch.len() as f64) * cell_area < parameters.speck - ROUNDING && patch.iter().all(inside) {
-            patch.iter().for_each(|&i| cells[i] = Cell::Free);
-        }
-    }
+    // Areas of whole cells are compared with areas in decimal metres.
+    let cells_in = |area: f64| area / cell_area - 1e-6;
+    let (stray, speck) = (cells_in(parameters.stray), cells_in(parameters.speck));
+    let occupied = Patches::new(&info, &cells, true, |cell| cell == Cell::Occupied);
+    occupied.small(stray).for_each(|i| cells[i] = Cell::Unknown);
+    let closed = Patches::new(&info, &cells, false, |cell| cell != Cell::Free);
+    closed.small(speck).for_each(|i| cells[i] = Cell::Free);
     grid.with_cells(cells)
 }
 
-// Areas of whole cells are compared with areas in decimal metres.
-const ROUNDING: f64 = 1e-9;
-
-fn on_edge(info: &GridInfo, i: usize) -> bool {
-    let at = info.index(i);
-    at.x == 0 || at.y == 0 || at.x + 1 == info.width || at.y + 1 == info.height
+/// A horizontal run of cells, `start..end` in row-major order.
+struct Run {
+    start: usize,
+    end: usize,
+    /// The run of its patch that comes first, or one on the way to it.
+    parent: usize,
 }
 
-/// Connected patches of the chosen cells, each in the order of the flood from its first cell.
-fn patches(
-    info: &GridInfo,
-    cells: &[Cell],
-    diagonal: bool,
-    chosen: impl Fn(Cell) -> bool,
-) -> Vec<Vec<usize>> {
-    let mut open: Vec<bool> = cells.iter().map(|&cell| chosen(cell)).collect();
-    let mut patches = Vec::new();
-    for start in 0..cells.len() {
-        if !open[start] {
-            continue;
-        }
-        open[start] = false;
-        let mut patch = vec![start];
-        let mut next = 0;
-        while next < patch.len() {
-            for neighbor in info.neighbors(info.index(patch[next]), diagonal) {
-                let i = info.offset(neighbor);
-                if open[i] {
-                    open[i] = false;
-                    patch.push(i);
+/// Patches of the chosen cells that touch one another by their sides, or by corners too.
+struct Patches {
+    width: usize,
+    runs: Vec<Run>,
+}
+
+impl Patches {
+    fn new(info: &GridInfo, cells: &[Cell], corners: bool, chosen: impl Fn(Cell) -> bool) -> Self {
+        let mut patches = Patches { width: info.width, runs: Vec::new() };
+        let reach = usize::from(corners);
+        let mut above = 0..0;
+        for (y, row) in cells.chunks(info.width).enumerate() {
+            let first = patches.runs.len();
+            let mut start = y * info.width;
+            for stretch in row.chunk_by(|&a, &b| chosen(a) == chosen(b)) {
+                let end = start + stretch.len();
+                if chosen(stretch[0]) {
+                    patches.runs.push(Run { start, end, parent: patches.runs.len() });
+                    patches.join(above.clone(), reach);
                 }
+                start = end;
             }
-            next += 1;
+            above = first..patches.runs.len();
         }
-        patches.push(patch);
+        patches
     }
-    patches
+
+    /// Joins the last run with those of the row below that it touches.
+    fn join(&mut self, below: std::ops::Range<usize>, reach: usize) {
+        let last = self.runs.len() - 1;
+        let (start, end) = (self.runs[last].start, self.runs[last].end);
+        for run in below {
+            let other = &self.runs[run];
+            if other.start + self.width < end + reach && start < other.end + self.width + reach {
+                let (a, b) = (self.root(run), self.root(last));
+                self.runs[a.max(b)].parent = a.min(b);
+            }
+        }
+    }
+
+    fn root(&self, mut run: usize) -> usize {
+        while self.runs[run].parent != run {
+            run = self.runs[run].parent;
+        }
+        run
+    }
+
+    /// The cells of all patches of fewer than `most` cells.
+    fn small(&self, most: f64) -> impl Iterator<Item = usize> {
+        let mut sizes = vec![0usize; self.runs.len()];
+        let roots: Vec<usize> = (0..self.runs.len()).map(|run| self.root(run)).collect();
+        for (run, &root) in self.runs.iter().zip(&roots) {
+            sizes[root] += run.end - run.start;
+        }
+        let small = move |&(_, root): &(&Run, usize)| (sizes[root] as f64) < most;
+        self.runs.iter().zip(roots).filter(small).flat_map(|(run, _)| run.start..run.end)
+    }
 }
 
 #[cfg(test)]
@@ -118,6 +142,6 @@ mod tests {
     #[test]
     fn a_shadow_in_free_space_is_filled() {
         assert_eq!(cleaned(&[".....", "..??.", "....."]), [".....", ".....", "....."]);
-        assert_eq!(cleaned(&["..?..", "....."]), ["..?..", "....."]);
+        assert_eq!(cleaned(&["..?..", "....."]), [".....", "....."]);
     }
 }

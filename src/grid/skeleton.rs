@@ -49,6 +49,9 @@ pub enum SkeletonError {
     /// No free space that the robot fits into can be reached from where it stands.
     #[error("no free space as wide as the passage width can be reached from the robot's position")]
     NoFreeSpace,
+    /// Everything in the window is farther than the comfort distance from any obstacle.
+    #[error("no obstacle within the comfort distance of any free space in the window")]
+    NothingToFollow,
     /// Free space does not lead out of the window.
     #[error("no way as wide as the passage width leads out of the window")]
     NoWayOut,
@@ -63,11 +66,16 @@ pub fn skeletonize(
 ) -> Result<Skeleton, SkeletonError> {
     let info = grid.info();
     let start = info.cell_at(robot).ok_or(SkeletonError::OutsideGrid)?;
-    let window = Window::new(info, start, parameters.scope);
+    // A core cell that near to the end of the window has no obstacle before it: the clearance is greater.
+    let window = Window::new(info, start, parameters.scope, parameters.passage_width / 2.0);
     let mut core = Core::new(distance, &window, parameters);
+    let roomy = core.inside.contains(&true);
     core.remove_open_expanses(&window, parameters.comfort_distance);
+    if roomy && !core.inside.contains(&true) {
+        return Err(SkeletonError::NothingToFollow);
+    }
     let gate = nearest_core_cell(grid, start, &core, parameters).ok_or(SkeletonError::NoFreeSpace)?;
-    let members = flood(info, gate, true, |i| core.inside[i]);
+    let members = component(info, gate, &core.inside);
     let exits = exits(&members, &window, &core);
     let dead_end = match exits[..] {
         [] => return Err(SkeletonError::NoWayOut),
@@ -86,27 +94,33 @@ pub fn skeletonize(
     })
 }
 
-/// The part of the grid in which free space counts as settled.
+/// The part of the grid in which free space counts as settled. Lengths are in cells.
 struct Window<'a> {
     info: &'a GridInfo,
     center: CellIndex,
-    squared_radius: f64,
+    radius: f64,
+    rim: f64,
 }
 
 impl<'a> Window<'a> {
-    fn new(info: &'a GridInfo, center: CellIndex, scope: f64) -> Self {
-        Window { info, center, squared_radius: (scope / info.resolution).powi(2) }
+    fn new(info: &'a GridInfo, center: CellIndex, radius: f64, rim: f64) -> Self {
+        Window { info, center, radius: radius / info.resolution, rim: rim / info.resolution }
     }
 
     fn contains(&self, at: CellIndex) -> bool {
-        let (dx, dy) = (at.x as f64 - self.center.x as f64, at.y as f64 - self.center.y as f64);
-        dx * dx + dy * dy <= self.squared_radius
+        self.squared_offset(at) <= self.radius * self.radius
     }
 
-    /// Whether a cell of the window has a side to what is not in the window.
+    /// Whether a cell of the window is nearer to what is not in the window than the depth of the rim.
     fn on_rim(&self, at: CellIndex) -> bool {
-        let sides = [(1, 0), (0, 1), (-1, 0), (0, -1)];
-        sides.iter().any(|&(dx, dy)| self.info.shifted(at, dx, dy).is_none_or(|next| !self.contains(next)))
+        let inner = (self.radius - self.rim).max(0.0);
+        let edge = at.x.min(at.y).min(self.info.width - 1 - at.x).min(self.info.height - 1 - at.y);
+        (edge as f64) < self.rim || self.squared_offset(at) > inner * inner
+    }
+
+    fn squared_offset(&self, at: CellIndex) -> f64 {
+        let (dx, dy) = (at.x as f64 - self.center.x as f64, at.y as f64 - self.center.y as f64);
+        dx * dx + dy * dy
     }
 }
 
@@ -140,6 +154,13 @@ impl<'a> Core<'a> {
     }
 }
 
+/// The cells connected to `start` by sides or corners, ascending.
+fn component(info: &GridInfo, start: usize, inside: &[bool]) -> Vec<usize> {
+    let mut seen = vec![false; inside.len()];
+    flood(info, start, true, |i| inside[i]).into_iter().for_each(|i| seen[i] = true);
+    (0..seen.len()).filter(|&i| seen[i]).collect()
+}
+
 /// Cells connected to `start` in the order of their distance from it in steps.
 fn flood(info: &GridInfo, start: usize, diagonal: bool, inside: impl Fn(usize) -> bool) -> Vec<usize> {
     let mut seen = vec![false; info.width * info.height];
@@ -169,7 +190,7 @@ fn nearest_core_cell(
 ) -> Option<usize> {
     let info = grid.info();
     let stuck = grid.cell(start) != Cell::Free;
-    let step_out = Window::new(info, start, parameters.passage_width);
+    let step_out = Window::new(info, start, parameters.passage_width, 0.0);
     let passable = |at: CellIndex| grid.cell(at) == Cell::Free || (stuck && step_out.contains(at));
     let mut seen = vec![false; core.inside.len()];
     let mut queue = VecDeque::from([start]);
@@ -191,9 +212,8 @@ fn nearest_core_cell(
 fn exits(members: &[usize], window: &Window, core: &Core) -> Vec<usize> {
     let info = window.info;
     let mut rim = vec![false; core.inside.len()];
-    let mut starts: Vec<usize> = members.iter().copied().filter(|&i| window.on_rim(info.index(i))).collect();
+    let starts: Vec<usize> = members.iter().copied().filter(|&i| window.on_rim(info.index(i))).collect();
     starts.iter().for_each(|&i| rim[i] = true);
-    starts.sort_unstable();
     let mut exits = Vec::new();
     for start in starts {
         if !rim[start] {
@@ -226,5 +246,57 @@ fn dead_end(exit: usize, core: &Core) -> Option<usize> {
             Some(next) if core.squared[next] > core.squared[end] => end = next,
             _ => return Some(end),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::worlds::drawing::{Drawing, window};
+
+    fn skeleton(plan: &Drawing, robot: (f64, f64)) -> Result<(Skeleton, DistanceField), SkeletonError> {
+        let robot = Point::new(robot.0, robot.1);
+        let grid = plan.render(&window(18.0, 0.1, Point::origin(), 0.0), &robot).unwrap();
+        let distance = DistanceField::new(&grid);
+        let skeleton = skeletonize(&grid, &distance, &robot, &SkeletonParameters::default())?;
+        Ok((skeleton, distance))
+    }
+
+    #[test]
+    fn a_wide_hall_that_leaves_the_window_has_a_coast() {
+        let hall = Drawing::new().room((-20.0, -4.0), (20.0, 4.0));
+        let (skeleton, distance) = skeleton(&hall, (0.0, -2.0)).unwrap();
+        assert_eq!(skeleton.exits.len(), 2);
+        let clearance = skeleton.cells.iter().map(|&cell| distance.clearance(cell));
+        assert!(clearance.clone().all(|c| (2.3..=2.5).contains(&c)), "{:?}", clearance.collect::<Vec<_>>());
+        assert!(skeleton.cells.iter().all(|&cell| distance.info().center(cell).y < 0.0));
+    }
+
+    #[test]
+    fn a_wide_room_in_the_window_is_crossed() {
+        let room = Drawing::new().room((-5.0, -5.0), (5.0, 5.0)).corridor((-20.0, 0.0), (20.0, 0.0), 2.0);
+        let (skeleton, distance) = skeleton(&room, (0.0, 0.0)).unwrap();
+        assert!(skeleton.cells.iter().any(|&cell| distance.clearance(cell) > 4.5));
+    }
+
+    #[test]
+    fn a_door_is_no_way_out_and_a_corridor_is() {
+        let with = |width: f64| {
+            let room = Drawing::new().room((-2.0, -2.0), (2.0, 2.0)).corridor((1.0, 0.0), (20.0, 0.0), width);
+            skeleton(&room, (0.0, 0.0)).map(|(skeleton, _)| skeleton.exits.len())
+        };
+        assert_eq!(with(0.9), Err(SkeletonError::NoWayOut));
+        assert_eq!(with(1.3), Ok(1));
+    }
+
+    #[test]
+    fn a_robot_may_stand_a_little_inside_a_wall_but_not_deep() {
+        let plan = Drawing::new().corridor((-20.0, 0.0), (20.0, 0.0), 2.0);
+        let grid = plan.render(&window(18.0, 0.1, Point::origin(), 0.0), &Point::origin()).unwrap();
+        let distance = DistanceField::new(&grid);
+        let from =
+            |y: f64| skeletonize(&grid, &distance, &Point::new(0.0, y), &SkeletonParameters::default());
+        assert_eq!(from(1.4), from(0.0));
+        assert_eq!(from(3.0), Err(SkeletonError::NoFreeSpace));
     }
 }

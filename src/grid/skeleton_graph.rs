@@ -256,3 +256,57 @@ impl<'a> Builder<'a> {
 fn key(cell: CellIndex) -> (usize, usize) {
     (cell.y, cell.x)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Point, Pose};
+    use crate::grid::{SkeletonParameters, skeletonize};
+    use crate::worlds::drawing::{Drawing, window};
+
+    fn graph(plan: &Drawing) -> (SkeletonGraph, DistanceField) {
+        let grid = plan.render(&window(16.0, 0.1, Point::origin(), 0.2), &Point::origin()).unwrap();
+        let distance = DistanceField::new(&grid);
+        let skeleton =
+            skeletonize(&grid, &distance, &Point::origin(), &SkeletonParameters::default()).unwrap();
+        (SkeletonGraph::new(&skeleton, &distance), distance)
+    }
+
+    fn kinds(graph: &SkeletonGraph, kind: NodeKind) -> usize {
+        graph.graph.node_weights().filter(|node| node.kind == kind).count()
+    }
+
+    #[test]
+    fn a_tee_has_one_junction_and_three_ways() {
+        let tee =
+            Drawing::new().corridor((-16.0, 0.0), (16.0, 0.0), 2.0).corridor((0.0, 0.0), (0.0, -16.0), 2.0);
+        let (graph, _) = graph(&tee);
+        assert_eq!((kinds(&graph, NodeKind::Junction), kinds(&graph, NodeKind::Exit)), (1, 3));
+        assert_eq!(graph.graph.edge_count(), 3);
+        let junction =
+            graph.graph.node_indices().find(|&n| graph.graph[n].kind == NodeKind::Junction).unwrap();
+        assert_eq!(graph.ways_out(junction).len(), 3);
+    }
+
+    #[test]
+    fn a_block_gives_a_loop_with_two_ways_around() {
+        let ring = Drawing::new().corridor((-16.0, 0.0), (16.0, 0.0), 2.0).room((-4.0, -4.0), (4.0, 4.0));
+        let ring = ring.block((-2.0, -2.0), (2.0, 2.0)).moved(&Pose::new(-3.0, 0.0, 0.0));
+        let (graph, _) = graph(&ring);
+        assert_eq!((kinds(&graph, NodeKind::Junction), kinds(&graph, NodeKind::Exit)), (2, 2));
+        assert_eq!(graph.graph.edge_count(), 4);
+    }
+
+    #[test]
+    fn parting_an_edge_keeps_its_length() {
+        let (mut graph, distance) = graph(&Drawing::new().corridor((-16.0, 0.0), (16.0, 0.0), 2.0));
+        let length = |graph: &SkeletonGraph| graph.graph.edge_weights().map(|edge| edge.length).sum::<f64>();
+        let before = length(&graph);
+        let cell = graph.graph.edge_weights().next().unwrap().cells[50];
+        let node = graph.ensure_node(cell, &distance).unwrap();
+        assert_eq!(graph.ensure_node(cell, &distance), Some(node));
+        assert!((length(&graph) - before).abs() < 1e-9);
+        assert_eq!(graph.ways_out(node).len(), 2);
+        assert_eq!(graph.ensure_node(CellIndex { x: 0, y: 0 }, &distance), None);
+    }
+}

@@ -7,8 +7,8 @@
 
 use std::collections::VecDeque;
 
-/// The cells that remain of `members` (width x height, row-major, nothing outside), ascending. `rank` gives the
-/// order of removal; it is asked for members only.
+/// The cells that remain of `members`, given in ascending row-major order in a grid of width x height cells.
+/// `rank` gives the order of removal; it is asked for members only.
 pub(super) fn thin(
     width: usize,
     height: usize,
@@ -30,9 +30,28 @@ pub(super) fn thin(
     }
     let mut fixed = vec![false; present.len()];
     anchors.iter().for_each(|&i| fixed[padded(i)] = true);
-    order.sort_unstable();
+    sort(&mut order);
     peel(&order, &ranks, &fixed, &mut present, stride);
     members.iter().copied().filter(|&i| present[padded(i)]).collect()
+}
+
+/// Sorts by rank and then by position; by counting where ranks are dense. Members come by ascending position.
+fn sort(order: &mut Vec<(u32, u32)>) {
+    let most = order.iter().map(|&(rank, _)| rank as usize).max().unwrap_or(0);
+    if most > 4 * order.len() {
+        order.sort_unstable();
+        return;
+    }
+    let mut starts = vec![0u32; most + 2];
+    order.iter().for_each(|&(rank, _)| starts[rank as usize + 1] += 1);
+    (1..starts.len()).for_each(|rank| starts[rank] += starts[rank - 1]);
+    let mut sorted = vec![(0, 0); order.len()];
+    for &entry in order.iter() {
+        let slot = &mut starts[entry.0 as usize];
+        sorted[*slot as usize] = entry;
+        *slot += 1;
+    }
+    *order = sorted;
 }
 
 fn peel(order: &[(u32, u32)], ranks: &[u32], fixed: &[bool], present: &mut [bool], stride: usize) {

@@ -27,9 +27,9 @@ pub(super) struct MapState {
     /// Whether every candidate there is was kept.
     complete: bool,
     /// The profile that holds exactly the axioms of the map, or `custom`.
-    profile: &'static str,
+    profile: String,
     /// The axioms of the map.
-    axioms: Vec<&'static str>,
+    axioms: Vec<String>,
     /// How the candidates are searched.
     strategy: Strategy,
     /// The most candidates kept after an observation.

@@ -1,0 +1,171 @@
+//! Perception on clean places: the star is the seed's, and nothing that does not change the place changes it.
+
+mod shapes;
+
+use proptest::prelude::*;
+use shapes::Shape;
+use std::f64::consts::TAU;
+use topostar::geometry::{Point, Pose};
+use topostar::grid::{Cell, GridInfo, OccupancyGrid};
+use topostar::lpm::Lpm;
+use topostar::star::{
+    ControlLaw, DescribeError, Direction, GatewayId, LargeSlot, PerceptionParameters, PlaceDescription,
+    SlotIndex, SmallScaleStar, describe,
+};
+use topostar::worlds::drawing::{Drawing, window};
+
+/// How a place is laid on a grid.
+#[derive(Clone, Copy, Debug)]
+struct Laying {
+    /// Where the plan lies in the LPM frame.
+    frame_from_plan: Pose,
+    /// How the grid's axes are turned in the LPM frame.
+    turned: f64,
+    resolution: f64,
+}
+
+fn look(plan: &Drawing, robot: &Pose, laying: &Laying) -> Result<PlaceDescription, DescribeError> {
+    let robot_pose = laying.frame_from_plan.compose(robot);
+    let middle = laying.frame_from_plan.position();
+    let info = window(20.0, laying.resolution, middle, laying.turned);
+    let plan = plan.moved(&laying.frame_from_plan);
+    // Anything finer than a cell is left over between plan and grid.
+    let info =
+        GridInfo { origin: Pose::new(info.origin.x.round(), info.origin.y.round(), laying.turned), ..info };
+    let grid = plan.render(&info, &robot_pose.position()).unwrap();
+    describe(&Lpm { grid, robot_pose }, &PerceptionParameters::default())
+}
+
+fn print(star: &SmallScaleStar) -> String {
+    let name = |gateway: Option<GatewayId>| gateway.map_or(String::new(), |gateway| gateway.0.to_string());
+    let slot = |slot: &topostar::star::Slot| {
+        let sign = if slot.direction == Direction::Plus { '+' } else { '-' };
+        let (out, inward) = (name(slot.outward), name(slot.inward));
+        format!("{}{sign} {out}>{inward} {:?}", slot.fragment.0, slot.control)
+    };
+    star.slots().iter().map(slot).collect::<Vec<_>>().join("; ")
+}
+
+/// The slots of the mirror image: the other way round, left for right.
+fn mirrored(slots: &[LargeSlot]) -> Vec<LargeSlot> {
+    let n = slots.len();
+    let swap = |control: ControlLaw| match control {
+        ControlLaw::LeftWall => ControlLaw::RightWall,
+        ControlLaw::RightWall => ControlLaw::LeftWall,
+        other => other,
+    };
+    let slot = |i: usize| {
+        let LargeSlot { control, opposite, .. } = slots[(n - i) % n];
+        let opposite = SlotIndex(((n - opposite.0 as usize) % n) as u8);
+        LargeSlot { control: swap(control), opposite, ..slots[(n - i) % n] }
+    };
+    (0..n).map(slot).collect()
+}
+
+fn any_laying() -> impl Strategy<Value = Laying> {
+    let resolution = prop_oneof![Just(0.05), Just(0.1)];
+    (0.0..TAU, -3.0..3.0, -3.0..3.0, 0.0..TAU, resolution).prop_map(|(theta, x, y, turned, resolution)| {
+        Laying { frame_from_plan: Pose::new(x, y, theta), turned, resolution }
+    })
+}
+
+/// The star from every arrival: as printed from the first, and from the others the same but for the listing.
+fn check_shape(shape: &Shape, laying: &Laying) -> Result<(), TestCaseError> {
+    let first = look(&shape.plan, &shape.arrivals[0], laying).unwrap();
+    prop_assert_eq!(print(&first.star), shape.star, "{}", shape.name);
+    for arrival in &shape.arrivals {
+        let seen = look(&shape.plan, arrival, laying).unwrap();
+        prop_assert_eq!(seen.arrival, Some(SlotIndex(0)), "{}", shape.name);
+        let inward = seen.star.slots()[0].inward.and_then(|id| seen.gateways.get(id.0 as usize - 1)).unwrap();
+        // The listing begins with the gateway that the robot has behind it.
+        let (pose, offset) =
+            (laying.frame_from_plan.compose(arrival), inward.center - shape_point(laying, arrival));
+        let ahead = offset.dot(&topostar::geometry::direction(pose.theta));
+        prop_assert!(ahead < 1.0, "{} {:?}: entry {} m ahead", shape.name, arrival, ahead);
+        let (whole, part) = (first.star.large_scale(), seen.star.large_scale());
+        prop_assert!(
+            !whole.alignments(&part).is_empty(),
+            "{} {:?}: {}",
+            shape.name,
+            arrival,
+            print(&seen.star)
+        );
+    }
+    Ok(())
+}
+
+fn shape_point(laying: &Laying, arrival: &Pose) -> Point {
+    laying.frame_from_plan.compose(arrival).position()
+}
+
+#[test]
+fn every_place_reads_as_drawn_at_any_rotation() {
+    for shape in shapes::all() {
+        for step in 0..24 {
+            let theta = f64::from(step) * TAU / 24.0;
+            let laying =
+                Laying { frame_from_plan: Pose::new(0.0, 0.0, theta), turned: 0.0, resolution: 0.05 };
+            check_shape(&shape, &laying).unwrap();
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(160))]
+
+    #[test]
+    fn every_place_reads_as_drawn_however_it_lies_on_the_grid(which in 0usize..1000, laying in any_laying()) {
+        let shapes = shapes::all();
+        check_shape(&shapes[which % shapes.len()], &laying)?;
+    }
+
+    #[test]
+    fn a_mirrored_place_has_the_mirrored_star(which in 0usize..1000, laying in any_laying()) {
+        let shapes = shapes::all();
+        let shape = &shapes[which % shapes.len()];
+        let arrival = shape.arrivals[0];
+        let turned_back = Pose::new(arrival.x, -arrival.y, -arrival.theta);
+        let star = look(&shape.plan, &arrival, &laying).unwrap().star.large_scale();
+        let mirror = look(&shape.plan.mirrored(), &turned_back, &laying).unwrap().star.large_scale();
+        prop_assert_eq!(mirrored(star.slots()), mirror.slots().to_vec(), "{}", shape.name);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn any_grid_gives_a_star_or_an_error(
+        (width, cells) in (1usize..20, 1usize..20).prop_flat_map(|(w, h)| {
+            let cell = prop_oneof![5 => Just(Cell::Free), 1 => Just(Cell::Occupied), 1 => Just(Cell::Unknown)];
+            (Just(w), prop::collection::vec(cell, w * h))
+        }),
+        resolution in prop_oneof![Just(0.05), Just(0.4), Just(0.8), Just(1.2)],
+        (x, y, theta) in (-1.0..20.0, -1.0..20.0, -4.0..4.0),
+    ) {
+        let info = GridInfo { resolution, width, height: cells.len() / width, origin: Pose::IDENTITY };
+        let grid = OccupancyGrid::new(info, cells).unwrap();
+        let lpm = Lpm { grid, robot_pose: Pose::new(x * resolution, y * resolution, theta) };
+        let found = describe(&lpm, &PerceptionParameters::default());
+        prop_assert_eq!(&found, &describe(&lpm, &PerceptionParameters::default()));
+    }
+}
+
+#[test]
+fn grids_without_a_place_are_told_apart() {
+    let uniform = |cell: Cell, side: usize, robot: Pose| {
+        let info = GridInfo { resolution: 0.1, width: side, height: side, origin: Pose::IDENTITY };
+        let grid = OccupancyGrid::new(info, vec![cell; side * side]).unwrap();
+        describe(&Lpm { grid, robot_pose: robot }, &PerceptionParameters::default()).unwrap_err().to_string()
+    };
+    let middle = Pose::new(5.0, 5.0, 0.0);
+    assert_eq!(uniform(Cell::Unknown, 100, middle), uniform(Cell::Occupied, 100, middle));
+    assert!(uniform(Cell::Unknown, 100, middle).contains("no free space"));
+    assert!(uniform(Cell::Free, 100, middle).contains("no obstacle"));
+    assert!(uniform(Cell::Free, 1, Pose::new(0.05, 0.05, 0.0)).contains("no obstacle"));
+    assert!(uniform(Cell::Free, 100, Pose::new(-5.0, 5.0, 0.0)).contains("outside"));
+    assert!(uniform(Cell::Free, 100, Pose { x: f64::NAN, ..middle }).contains("not finite"));
+    let cell = Drawing::new().room((-2.0, -2.0), (2.0, 2.0));
+    let laying = Laying { frame_from_plan: Pose::IDENTITY, turned: 0.0, resolution: 0.1 };
+    assert!(look(&cell, &Pose::IDENTITY, &laying).unwrap_err().to_string().contains("leads out"));
+}
