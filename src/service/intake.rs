@@ -2,8 +2,9 @@
 
 use crate::service::{Accepted, Line, Session, SessionError};
 use crate::trace::{Event, EventError, parse_event};
-use serde::Deserialize;
+use serde::de::{Deserializer, IgnoredAny, SeqAccess, Visitor};
 use serde_json::value::RawValue;
+use std::fmt;
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -86,18 +87,18 @@ impl<'a> Intake<'a> {
         Taken { fault: outcome.err(), ..intake.taken }
     }
 
+    /// An array is read twice, first to see that it is JSON throughout. Its events may be many: none is held.
     fn json(&mut self, body: &[u8]) -> Result<(), Fault> {
         let not_json = |error: serde_json::Error| {
             let error = IntakeError::NotJson(error.to_string());
             Fault { position: Position::Whole, seq: None, error }
         };
-        if !body.trim_ascii_start().starts_with(b"[") {
-            let event: &RawValue = serde_json::from_slice(body).map_err(not_json)?;
-            return self.event(event.get(), Position::Whole);
+        let whole: &RawValue = serde_json::from_slice(body).map_err(not_json)?;
+        if !whole.get().starts_with('[') {
+            return self.event(whole.get(), Position::Whole);
         }
-        let events: Vec<&RawValue> = serde_json::from_slice(body).map_err(not_json)?;
-        let mut numbered = (0..).zip(events);
-        numbered.try_for_each(|(index, event)| self.event(event.get(), Position::Index(index)))
+        let mut json = serde_json::Deserializer::from_str(whole.get());
+        json.deserialize_seq(Elements(self)).map_err(not_json)?
     }
 
     fn lines(&mut self, lines: &[Line], bound: usize) -> Result<(), Fault> {
@@ -128,9 +129,32 @@ impl<'a> Intake<'a> {
     }
 }
 
+/// Takes the elements of an array of events, up to the first fault, which is its value.
+struct Elements<'i, 's>(&'i mut Intake<'s>);
+
+impl<'de> Visitor<'de> for Elements<'_, '_> {
+    type Value = Result<(), Fault>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an array of events")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut array: A) -> Result<Self::Value, A::Error> {
+        let mut index = 0;
+        while let Some(event) = array.next_element::<&RawValue>()? {
+            if let Err(fault) = self.0.event(event.get(), Position::Index(index)) {
+                while array.next_element::<IgnoredAny>()?.is_some() {}
+                return Ok(Err(fault));
+            }
+            index += 1;
+        }
+        Ok(Ok(()))
+    }
+}
+
 /// The number of an event that is malformed elsewhere.
 fn seq_of(text: &str) -> Option<u64> {
-    #[derive(Deserialize)]
+    #[derive(serde::Deserialize)]
     struct Numbered {
         seq: u64,
     }

@@ -1,7 +1,7 @@
 //! The service: maps that grow with what robots post.
 //!
 //! What it promises: events of a map are taken in order of `seq`, each once, and posting one again does no
-//! harm. An event is kept before it is acknowledged. What cannot be taken changes nothing; what came before it
+//! harm. An event is kept before it is acknowledged. What cannot be taken changes nothing; what came before
 //! stays. The state of a map depends on its configuration and its events alone, so it is rebuilt from them by
 //! replay. Nothing grows without a bound of [`Limits`].
 //!

@@ -2,6 +2,7 @@
 
 use crate::abduction::Extinction;
 use crate::service::{Fault, IntakeError, MapNameError, MapsError, Position, SessionError, StoreError};
+use crate::trace::EventError;
 use axum::Json;
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
@@ -11,9 +12,14 @@ use utoipa::ToSchema;
 /// The media type of problem documents.
 pub const PROBLEM_JSON: &str = "application/problem+json";
 
+/// What went wrong and how to mend it. Boxed, as results carry it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Problem(Box<ProblemDocument>);
+
 /// What went wrong and how to mend it. Fields that do not apply are left out.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, ToSchema)]
-pub struct Problem {
+#[schema(as = Problem)]
+pub struct ProblemDocument {
     /// Names the kind of problem: `/problems/` and the code.
     #[serde(rename = "type")]
     pub kind: String,
@@ -144,7 +150,7 @@ impl Problem {
     /// A problem of a kind.
     pub fn new(kind: ProblemKind, detail: impl Into<String>) -> Problem {
         let (status, code, title) = kind.row();
-        Problem {
+        Problem(Box::new(ProblemDocument {
             kind: format!("/problems/{code}"),
             title,
             status: status.as_u16(),
@@ -159,7 +165,20 @@ impl Problem {
             accepted_through: None,
             observation: None,
             axioms: None,
-        }
+        }))
+    }
+
+    /// The problem with more said of it.
+    #[must_use]
+    pub fn with(mut self, say: impl FnOnce(&mut ProblemDocument)) -> Problem {
+        say(&mut self.0);
+        self
+    }
+
+    /// The problem of a value at fault in a configuration or event.
+    pub fn at(kind: ProblemKind, error: EventError) -> Problem {
+        let detail = error.to_string();
+        Problem::new(kind, detail).with(|document| document.pointer = Some(error.pointer))
     }
 
     /// The problem of a map that no candidate is left of.
@@ -170,22 +189,23 @@ impl Problem {
             extinction.observation,
             axioms.join(", ")
         );
-        Problem {
-            observation: Some(extinction.observation),
-            axioms: Some(axioms),
-            ..Problem::new(ProblemKind::NoConsistentMap, detail)
-        }
+        Problem::new(ProblemKind::NoConsistentMap, detail).with(|document| {
+            document.observation = Some(extinction.observation);
+            document.axioms = Some(axioms);
+        })
     }
 
     /// The problem of an event that was not taken by a map which expects `next_seq`.
     pub fn fault(fault: Fault, next_seq: u64) -> Problem {
-        let (line, index) = match fault.position {
-            Position::Whole => (None, None),
-            Position::Line(line) => (Some(line), None),
-            Position::Index(index) => (None, Some(index)),
-        };
-        let (seq, accepted_through) = (fault.seq, Some(next_seq.checked_sub(1)));
-        Problem { line, index, seq, accepted_through, ..Problem::from(fault.error) }
+        Problem::from(fault.error).with(|document| {
+            match fault.position {
+                Position::Whole => {}
+                Position::Line(line) => document.line = Some(line),
+                Position::Index(index) => document.index = Some(index),
+            }
+            document.seq = fault.seq;
+            document.accepted_through = Some(next_seq.checked_sub(1));
+        })
     }
 }
 
@@ -195,9 +215,7 @@ impl From<IntakeError> for Problem {
         match error {
             IntakeError::NotJson(_) => Problem::new(ProblemKind::MalformedJson, detail),
             IntakeError::LineTooLong(_) => Problem::new(ProblemKind::BodyTooLarge, detail),
-            IntakeError::Malformed(error) => {
-                Problem { pointer: Some(error.pointer), ..Problem::new(ProblemKind::MalformedEvent, detail) }
-            }
+            IntakeError::Malformed(error) => Problem::at(ProblemKind::MalformedEvent, error),
             IntakeError::Session(error) => error.into(),
         }
     }
@@ -207,21 +225,12 @@ impl From<SessionError> for Problem {
     fn from(error: SessionError) -> Problem {
         let detail = error.to_string();
         match error {
-            SessionError::Gap { expected, .. } => {
-                Problem { expected: Some(expected), ..Problem::new(ProblemKind::SequenceGap, detail) }
-            }
+            SessionError::Gap { expected, .. } => Problem::new(ProblemKind::SequenceGap, detail)
+                .with(|document| document.expected = Some(expected)),
             SessionError::Conflict { .. } => Problem::new(ProblemKind::EventConflict, detail),
             SessionError::Full { .. } => Problem::new(ProblemKind::MapFull, detail),
-            SessionError::Refused(error) => {
-                let at = error.at();
-                Problem {
-                    pointer: Some(at.pointer.clone()),
-                    ..Problem::new(ProblemKind::MalformedEvent, at.to_string())
-                }
-            }
-            SessionError::Visit(_) => {
-                Problem { pointer: Some(String::new()), ..Problem::new(ProblemKind::MalformedEvent, detail) }
-            }
+            SessionError::Refused(error) => Problem::at(ProblemKind::MalformedEvent, error.at()),
+            SessionError::Visit(_) => Problem::at(ProblemKind::MalformedEvent, EventError::new("", detail)),
         }
     }
 }
@@ -249,8 +258,8 @@ impl From<MapNameError> for Problem {
 impl IntoResponse for Problem {
     /// The document without its `instance`, which the edge fills in from the copy in the extensions.
     fn into_response(self) -> Response {
-        let status = StatusCode::from_u16(self.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
-        let mut response = (status, Json(&self)).into_response();
+        let status = StatusCode::from_u16(self.0.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
+        let mut response = (status, Json(&self.0)).into_response();
         response.headers_mut().insert(header::CONTENT_TYPE, HeaderValue::from_static(PROBLEM_JSON));
         response.extensions_mut().insert(self);
         response

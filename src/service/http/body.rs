@@ -70,7 +70,7 @@ pub(super) async fn piece(body: &mut Body) -> Result<Option<Bytes>, Problem> {
     }
 }
 
-/// Reads on to the end or the bound: a client that still sends when the connection closes may lose the answer.
+/// Reads on to the end or the bound: a client that still sends when the connection ends may lose the answer.
 pub(super) async fn drain(body: &mut Body, bound: usize) {
     let mut read = 0;
     while read < bound

@@ -1,6 +1,6 @@
 //! What the OpenAPI document says beside the routes.
 
-use crate::service::problem::{PROBLEM_JSON, Problem};
+use crate::service::problem::{PROBLEM_JSON, ProblemDocument};
 use utoipa::openapi::path::{Operation, PathItem};
 use utoipa::openapi::{Content, OpenApi, Ref, RefOr, Response};
 use utoipa::{OpenApi as _, ToSchema};
@@ -20,7 +20,7 @@ use utoipa::{OpenApi as _, ToSchema};
         (name = "events", description = "What robots saw and did."),
         (name = "process", description = "The service itself.")
     ),
-    components(schemas(Problem))
+    components(schemas(ProblemDocument))
 )]
 struct Head;
 
@@ -50,6 +50,6 @@ fn operations(item: &mut PathItem) -> impl Iterator<Item = &mut Operation> {
 }
 
 fn describe_problem(response: &mut Response) {
-    let problem = Content::new(Some(Ref::from_schema_name(Problem::name())));
+    let problem = Content::new(Some(Ref::from_schema_name(ProblemDocument::name())));
     response.content.insert(PROBLEM_JSON.to_owned(), problem.into());
 }

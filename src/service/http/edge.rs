@@ -44,7 +44,7 @@ async fn name_instance(request: Request, next: Next) -> Response {
     let instance = request.uri().path().to_owned();
     let mut response = next.run(request).await;
     let Some(problem) = response.extensions_mut().remove::<Problem>() else { return response };
-    let (_, body) = Problem { instance, ..problem }.into_response().into_parts();
+    let (_, body) = problem.with(|document| document.instance = instance).into_response().into_parts();
     // The length was that of the document without its instance.
     response.headers_mut().remove(header::CONTENT_LENGTH);
     response.map(|_: Body| body)

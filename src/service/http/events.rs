@@ -43,8 +43,8 @@ enum Events {
 /// Post events.
 ///
 /// One event, an array of them, or NDJSON, one event a line (the item schema is `Event`). Events are taken in
-/// order of `seq`; posting one again with the same content does no harm. The taking ends at the first event that
-/// cannot be taken: what came before it stays, nothing after it is taken.
+/// order of `seq`; posting one again with the same content does no harm. The taking ends at the first event
+/// that cannot be taken: what came before it stays, nothing after it is taken.
 #[utoipa::path(
     post, path = "/v1/maps/{map}/events", tag = "events", operation_id = "post_events",
     params(("map" = String, Path, description = "Name of the map")),

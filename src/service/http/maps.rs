@@ -123,6 +123,5 @@ fn parse_config(bytes: &[u8]) -> Result<WireMapConfig, Problem> {
 }
 
 fn malformed(error: EventError) -> Problem {
-    let detail = error.to_string();
-    Problem { pointer: Some(error.pointer), ..Problem::new(ProblemKind::MalformedConfig, detail) }
+    Problem::at(ProblemKind::MalformedConfig, error)
 }
