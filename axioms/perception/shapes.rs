@@ -28,16 +28,11 @@ fn shape(name: &'static str, plan: Drawing, arrivals: &[(f64, f64, f64)], star: 
 }
 
 pub(super) fn all() -> Vec<Shape> {
-    let mut all = corridors();
-    all.extend(rooms());
-    all.extend(clutter());
-    all.extend(figures());
-    all
+    let groups = [corridors(), forks_and_ends(), rooms(), halls(), clutter(), odd_angles(), figures()];
+    groups.into_iter().flatten().collect()
 }
 
 fn corridors() -> Vec<Shape> {
-    let arms =
-        |directions: &[f64]| Drawing::new().arms((0.0, 0.0), directions, FAR, 2.2).disc((0.0, 0.0), 1.1);
     let square = |directions: &[f64]| {
         Drawing::new().arms((0.0, 0.0), directions, FAR, 2.2).room((-1.1, -1.1), (1.1, 1.1))
     };
@@ -60,6 +55,13 @@ fn corridors() -> Vec<Shape> {
             &[(0.0, -0.8, N), (0.8, 0.0, W)],
             "1+ >2 DeadEnd; 2+ 1> Midline; 1- 2> Midline; 2- >1 DeadEnd",
         ),
+    ]
+}
+
+fn forks_and_ends() -> Vec<Shape> {
+    let arms =
+        |directions: &[f64]| Drawing::new().arms((0.0, 0.0), directions, FAR, 2.2).disc((0.0, 0.0), 1.1);
+    vec![
         shape(
             "five-way",
             arms(&evenly(5)),
@@ -122,6 +124,11 @@ fn rooms() -> Vec<Shape> {
             &[(0.0, -2.5, N), (2.5, 0.0, W)],
             "1+ >2 None; 2+ 1> Midline; 1- 2> Midline; 2- >1 None",
         ),
+    ]
+}
+
+fn halls() -> Vec<Shape> {
+    vec![
         shape(
             "rotunda",
             Drawing::new().disc((0.0, 0.0), 4.2).arms((0.0, 0.0), &[N, E, S, W], FAR, 2.2),
@@ -170,6 +177,11 @@ fn clutter() -> Vec<Shape> {
             &[(0.0, -3.5, N), (-3.5, 0.0, E), (0.0, 3.5, S), (3.5, 0.0, W)],
             "1+ 1>3 Midline; 2+ 2>4 Midline; 1- 3>1 Midline; 2- 4>2 Midline",
         ),
+    ]
+}
+
+fn odd_angles() -> Vec<Shape> {
+    vec![
         shape(
             "skew crossing",
             Drawing::new().arms((0.0, 0.0), &[E, W, 1.05, 1.05 - PI], FAR, 2.0),

@@ -27,17 +27,15 @@ pub fn find_gateways(
     parameters: &GatewayParameters,
 ) -> Option<Neighborhood> {
     let center = place_center(graph, distance, robot, parameters)?;
-    let found = graph.ways_out(center).into_iter().map(|cells| {
+    let ways = graph.ways_out(center).into_iter().map(|cells| {
         let way = Way::new(cells, distance);
         let at = first_constriction(&way, distance, parameters);
-        (way, at)
+        WayOut { way, at }
     });
-    let found = innermost(found.collect(), distance.info().resolution);
-    let anchored = found.iter().map(|(way, at)| {
-        let measure = Measure { way, distance, skeleton, parameters };
-        measure.gateway(*at)
-    });
-    let gateways: Vec<Gateway> = anchored.collect::<Option<_>>()?;
+    let ways: Vec<WayOut> = ways.collect();
+    let measure = Measure { distance, skeleton, parameters };
+    let groups = innermost(&ways, distance.info().resolution);
+    let gateways: Vec<Gateway> = groups.iter().map(|group| measure.gateway(group)).collect::<Option<_>>()?;
     let node = &graph.graph[center];
     (!gateways.is_empty()).then(|| Neighborhood {
         center: distance.info().center(node.cell),
@@ -46,91 +44,117 @@ pub fn find_gateways(
     })
 }
 
+/// A way to an exit and the index of its gateway.
+struct WayOut {
+    way: Way,
+    at: usize,
+}
+
+impl WayOut {
+    fn gateway(&self) -> Point {
+        self.way.points[self.at]
+    }
+}
+
 /// Several exits can lie behind one gateway: of constrictions closer together than half their clearance, or one
-/// behind the other on a way, only the first is kept.
-fn innermost(found: Vec<(Way, usize)>, resolution: f64) -> Vec<(Way, usize)> {
-    let place = |(way, at): &(Way, usize)| (way.points[*at], way.clearance[*at], way.arc[*at]);
-    let behind = |i: usize| {
-        let (at, clearance, arc) = place(&found[i]);
-        (0..found.len()).any(|j| {
-            let (other, _, other_arc) = place(&found[j]);
-            let passed =
-                found[i].0.points[..found[i].1].iter().any(|p| (p - other).norm() < resolution / 2.0);
-            let beside = (at - other).norm() < (clearance / 2.0).max(2.0 * resolution);
-            j != i && (passed || (beside && (other_arc, j) < (arc, i)))
-        })
-    };
-    let kept: Vec<bool> = (0..found.len()).map(|i| !behind(i)).collect();
-    found.into_iter().zip(kept).filter_map(|(one, kept)| kept.then_some(one)).collect()
+/// behind the other on a way, only the first counts. Every group begins with the way of its gateway.
+fn innermost(ways: &[WayOut], resolution: f64) -> Vec<Vec<&WayOut>> {
+    let mut order: Vec<&WayOut> = ways.iter().collect();
+    order.sort_by(|a, b| a.way.arc[a.at].total_cmp(&b.way.arc[b.at]));
+    let mut groups: Vec<Vec<&WayOut>> = Vec::new();
+    for one in order {
+        let behind = |group: &&mut Vec<&WayOut>| {
+            let gateway = group[0].gateway();
+            let reach = (one.way.clearance[one.at] / 2.0).max(2.0 * resolution);
+            let passed = one.way.points[..one.at].iter().any(|p| (p - gateway).norm() < resolution / 2.0);
+            passed || (one.gateway() - gateway).norm() < reach
+        };
+        match groups.iter_mut().find(behind) {
+            Some(group) => group.push(one),
+            None => groups.push(vec![one]),
+        }
+    }
+    groups
 }
 
 /// What is measured at a constriction.
 struct Measure<'a> {
-    way: &'a Way,
     distance: &'a DistanceField,
     skeleton: &'a SkeletonParameters,
     parameters: &'a GatewayParameters,
 }
 
 impl Measure<'_> {
-    fn gateway(&self, at: usize) -> Option<Gateway> {
+    fn gateway(&self, group: &[&WayOut]) -> Option<Gateway> {
         let info = self.distance.info();
-        let outward = self.outward(at)?;
-        let [left, right] = self.ends(at, &outward);
-        let width = (left - right).norm() - info.resolution;
-        let narrowest = self.way.clearance.iter().copied().fold(f64::INFINITY, f64::min);
+        let WayOut { way, at } = group.first()?;
+        let outward = self.common_direction(group)?;
+        let [left, right] = self.ends(way, *at, &outward);
+        let narrowest = way.clearance.iter().copied().fold(f64::INFINITY, f64::min);
         let passage = 2.0 * narrowest - info.resolution;
         let to_frame = |point: &Point| info.origin.transform_point(point);
         Some(Gateway {
-            center: to_frame(&self.way.points[at]),
+            center: to_frame(&way.points[*at]),
             ends: [to_frame(&left), to_frame(&right)],
             bearing: wrap_angle(bearing(&outward) + info.origin.theta),
-            width,
+            width: (left - right).norm() - info.resolution,
             margin: (passage / self.skeleton.passage_width - 1.0).max(0.0),
-            beyond: self.beyond(at),
+            beyond: self.beyond(way, *at),
         })
     }
 
-    fn outward(&self, at: usize) -> Option<Vector> {
+    /// The mean direction of all ways through a gateway: where they fork behind it, none of them alone tells.
+    fn common_direction(&self, group: &[&WayOut]) -> Option<Vector> {
+        let gateway = group.first()?.gateway();
+        let directions = group.iter().filter_map(|one| {
+            let away = |i: &usize| (one.way.points[*i] - gateway).norm();
+            let at = (0..one.way.points.len()).min_by(|a, b| away(a).total_cmp(&away(b)))?;
+            self.outward(&one.way, at)
+        });
+        directions.fold(Vector::zeros(), |sum, direction| sum + direction).try_normalize(0.0)
+    }
+
+    fn outward(&self, way: &Way, at: usize) -> Option<Vector> {
         let length = self.parameters.direction_length;
-        let far = self.way.ahead(at, length);
-        let lacking = length - (self.way.arc[far] - self.way.arc[at]);
+        let far = way.ahead(at, length);
+        let lacking = length - (way.arc[far] - way.arc[at]);
         // A gateway at the rim of the window is measured on what is left of its way, and on the approach.
         let near = if lacking > length / 2.0 {
-            self.way.arc.partition_point(|&s| s < self.way.arc[far] - length / 2.0)
+            way.arc.partition_point(|&s| s < way.arc[far] - length / 2.0)
         } else {
             at
         };
-        self.way.direction(near.min(at), far)
+        way.direction(near.min(at), far)
     }
 
     /// The closest obstacles left and right; a missing one is put at the comfort distance.
-    fn ends(&self, at: usize, outward: &Vector) -> [Point; 2] {
+    fn ends(&self, way: &Way, at: usize, outward: &Vector) -> [Point; 2] {
         let resolution = self.distance.info().resolution;
-        let slack = (self.skeleton.comfort_distance - self.way.clearance[at]).max(2.0 * resolution).min(0.5);
-        let sides = self.distance.sides(self.way.cells[at], outward, slack);
-        let here = self.way.points[at];
-        let left = Vector::new(-outward.y, outward.x) * self.skeleton.comfort_distance;
+        let comfort_distance = self.skeleton.comfort_distance;
+        let slack = (comfort_distance - way.clearance[at]).max(2.0 * resolution).min(0.5);
+        let sides = self.distance.sides(way.cells[at], outward, slack);
+        let here = way.points[at];
+        let left = Vector::new(-outward.y, outward.x) * comfort_distance;
         let point = |cell| local(cell, resolution);
         [sides.left.map_or(here + left, point), sides.right.map_or(here - left, point)]
     }
 
     /// Samples every quarter metre of the way up to the comfort distance beyond the gateway.
-    fn beyond(&self, at: usize) -> Vec<Beyond> {
+    fn beyond(&self, way: &Way, at: usize) -> Vec<Beyond> {
         let info = self.distance.info();
-        let count = (self.skeleton.comfort_distance / 0.25).floor() as usize;
-        let mut indices: Vec<usize> = (0..=count).map(|k| self.way.ahead(at, 0.25 * k as f64)).collect();
+        let comfort_distance = self.skeleton.comfort_distance;
+        let count = (comfort_distance / 0.25).floor() as usize;
+        let mut indices: Vec<usize> = (0..=count).map(|k| way.ahead(at, 0.25 * k as f64)).collect();
         indices.dedup();
         let sample = |i: usize| {
-            let clearance = self.way.clearance[i];
-            let along = self.outward(i).unwrap_or_else(Vector::zeros);
-            let sides = self.distance.sides(self.way.cells[i], &along, 2.0 * info.resolution);
-            let close = clearance <= self.skeleton.comfort_distance + info.resolution;
+            let along = self.outward(way, i).unwrap_or_else(Vector::zeros);
+            let sides = self.distance.sides(way.cells[i], &along, 2.0 * info.resolution);
+            let close = way.clearance[i] <= comfort_distance + info.resolution;
             Beyond {
-                at: info.origin.transform_point(&self.way.points[i]),
+                at: info.origin.transform_point(&way.points[i]),
                 left: close && sides.left.is_some(),
                 right: close && sides.right.is_some(),
-                clearance,
+                clearance: way.clearance[i],
             }
         };
         indices.into_iter().map(sample).collect()

@@ -2,9 +2,12 @@
 
 use crate::grid::{Cell, GridInfo, OccupancyGrid};
 
-/// What is too small to matter, in square metres.
+/// What is too small to matter, in metres and square metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CleaningParameters {
+    /// Unknown gaps up to this length between two free cells of a row or a column lie between rays that both
+    /// passed. Default 0.2.
+    pub gap: f64,
     /// Patches of occupied cells below this area are stray range readings. Default 0.015, which is six cells of
     /// 5 cm: a leg of a chair seen once, not a wall.
     pub stray: f64,
@@ -15,16 +18,17 @@ pub struct CleaningParameters {
 
 impl Default for CleaningParameters {
     fn default() -> Self {
-        CleaningParameters { stray: 0.015, speck: 0.25 }
+        CleaningParameters { gap: 0.2, stray: 0.015, speck: 0.25 }
     }
 }
 
-/// The grid without specks. First stray occupied patches (cells touching by side or corner) become unknown, then
+/// The grid without specks. First gaps between rays become free, then stray occupied patches (cells touching by side or corner) become unknown, and last
 /// patches that are not free (cells touching by side) become free.
 pub fn clean(grid: &OccupancyGrid, parameters: &CleaningParameters) -> OccupancyGrid {
     let info = *grid.info();
     let cell_area = info.resolution * info.resolution;
     let mut cells = grid.cells().to_vec();
+    fill_gaps(&info, &mut cells, ((parameters.gap / info.resolution) + 1e-6) as usize);
     // Areas of whole cells are compared with areas in decimal metres.
     let cells_in = |area: f64| area / cell_area - 1e-6;
     let (stray, speck) = (cells_in(parameters.stray), cells_in(parameters.speck));
@@ -33,6 +37,33 @@ pub fn clean(grid: &OccupancyGrid, parameters: &CleaningParameters) -> Occupancy
     let closed = Patches::new(&info, &cells, false, |cell| cell != Cell::Free);
     closed.small(speck).for_each(|i| cells[i] = Cell::Free);
     grid.with_cells(cells)
+}
+
+/// Frees unknown stretches of at most `most` cells between two free cells, along rows and then along columns.
+fn fill_gaps(info: &GridInfo, cells: &mut [Cell], most: usize) {
+    for y in 0..info.height {
+        let mut last_free = None;
+        for i in y * info.width..(y + 1) * info.width {
+            close_gap(cells, &mut last_free, i, 1, most);
+        }
+    }
+    // All columns at once, row by row: a column at a time would jump through memory.
+    let mut last_free = vec![None; info.width];
+    for i in 0..cells.len() {
+        close_gap(cells, &mut last_free[i % info.width], i, info.width, most);
+    }
+}
+
+/// Goes one cell on along a line of cells `step` apart: at a free cell, frees the unknown ones since the last.
+fn close_gap(cells: &mut [Cell], last_free: &mut Option<usize>, i: usize, step: usize, most: usize) {
+    match cells[i] {
+        Cell::Unknown => {}
+        Cell::Occupied => *last_free = None,
+        Cell::Free => {
+            let gap = last_free.replace(i).map(|last| (last + step..i).step_by(step));
+            gap.filter(|gap| gap.len() <= most).into_iter().flatten().for_each(|j| cells[j] = Cell::Free);
+        }
+    }
 }
 
 /// A horizontal run of cells, `start..end` in row-major order.
@@ -117,7 +148,7 @@ mod tests {
         };
         let cells = picture.iter().flat_map(|row| row.chars().map(cell)).collect();
         let grid = OccupancyGrid::new(info, cells).unwrap();
-        let clean = clean(&grid, &CleaningParameters { stray: 0.02, speck: 0.04 });
+        let clean = clean(&grid, &CleaningParameters { gap: 0.1, stray: 0.02, speck: 0.04 });
         let char_of = |cell: &Cell| match cell {
             Cell::Free => '.',
             Cell::Occupied => '#',
@@ -130,13 +161,20 @@ mod tests {
     fn strays_and_specks_vanish_and_walls_stay() {
         let found =
             cleaned(&["########", "#......#", "#.#..??#", "#.....?#", "#.##...#", "#.##...#", "########"]);
-        let wanted = ["########", "#......#", "#....??#", "#.....?#", "#.##...#", "#.##...#", "########"];
+        let wanted = ["########", "#......#", "#.....?#", "#.....?#", "#.##...#", "#.##...#", "########"];
         assert_eq!(found, wanted);
     }
 
     #[test]
     fn a_stray_reading_in_the_unknown_stays_unknown() {
         assert_eq!(cleaned(&["??????", "??#???", "??????"]), ["??????", "??????", "??????"]);
+    }
+
+    #[test]
+    fn gaps_between_rays_are_filled_and_walls_are_not() {
+        assert_eq!(cleaned(&["???????", ".?.??.?", "???????"])[1], "...??.?");
+        assert_eq!(cleaned(&["??.??", "?????", "??.#."]), ["??.??", "??.??", "??.?."]);
+        assert_eq!(cleaned(&["#####", ".###.", ".???."]), ["#####", ".###.", ".???."]);
     }
 
     #[test]

@@ -176,3 +176,46 @@ fn polylines(graph: &SkeletonGraph, grid: &OccupancyGrid) -> Vec<Vec<Point>> {
     let line = |cells: &[_]| cells.iter().map(|&cell| grid.info().center(cell)).collect();
     graph.graph.edge_weights().map(|edge| line(&edge.cells)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::star::ControlLaw;
+    use crate::worlds::drawing::{Drawing, window};
+    use std::f64::consts::FRAC_PI_2;
+
+    fn tee(robot_pose: Pose) -> PlaceDescription {
+        let plan =
+            Drawing::new().corridor((-9.0, 0.0), (9.0, 0.0), 2.0).corridor((0.0, 0.0), (0.0, -9.0), 2.0);
+        let grid = plan.render(&window(12.0, 0.1, Point::origin(), 0.0), &Point::origin()).unwrap();
+        describe(&Lpm { grid, robot_pose }, &PerceptionParameters::default()).unwrap()
+    }
+
+    #[test]
+    fn the_listing_begins_where_the_robot_came_in() {
+        let place = tee(Pose::new(0.0, -0.9, FRAC_PI_2));
+        assert_eq!(place.arrival, Some(SlotIndex(0)));
+        let slot = &place.star.slots()[0];
+        assert_eq!(
+            (slot.outward, slot.inward, slot.control),
+            (None, Some(GatewayId(2)), ControlLaw::DeadEnd)
+        );
+        assert!((place.gateways[1].center.y + 1.0).abs() < 0.15);
+    }
+
+    #[test]
+    fn a_robot_that_came_in_nowhere_lists_from_the_slot_it_faces() {
+        let place = tee(Pose::new(0.0, 0.0, -FRAC_PI_2));
+        assert_eq!((place.arrival, place.facing), (None, SlotIndex(0)));
+        assert_eq!(place.star.slots()[0].outward, Some(GatewayId(1)));
+        assert!((place.gateways[0].bearing + FRAC_PI_2).abs() < 0.1);
+    }
+
+    #[test]
+    fn headings_choose_the_nearest_outward_slot() {
+        let place = tee(Pose::new(0.0, -0.9, FRAC_PI_2));
+        let toward = |heading: f64| place.outward_slot_toward(heading).and_then(|slot| place.star.slot(slot));
+        assert!(toward(2.9).and_then(|slot| slot.bearing).is_some_and(|bearing| bearing.cos() < -0.9));
+        assert!(toward(-1.2).and_then(|slot| slot.bearing).is_some_and(|bearing| bearing.sin() < -0.9));
+    }
+}
