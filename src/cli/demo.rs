@@ -1,9 +1,9 @@
 //! `topostar demo`: a bundled world, end to end over real HTTP on loopback.
 
-use super::failure::Failure;
-use super::map::{certainty, headline};
-use super::serve::{maps, runtime};
-use super::world;
+use crate::cli::failure::Failure;
+use crate::cli::map::{certainty, headline};
+use crate::cli::serve::{maps, runtime};
+use crate::cli::world;
 use crate::export::{MapGraph, Report, map_svg, map_text, place_type};
 use crate::service::http;
 use crate::trace::{Event, EventKind, write_event};

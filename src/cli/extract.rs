@@ -1,7 +1,7 @@
 //! `topostar extract`: gateways and star of one grid, or of every grid of a trace.
 
-use super::failure::Failure;
-use super::input::{open, read_events};
+use crate::cli::failure::Failure;
+use crate::cli::input::{open, read_events};
 use crate::export::{Extraction, extraction_svg};
 use crate::geometry::Pose;
 use crate::grid::{Cell, GridInfo, OccupancyGrid};

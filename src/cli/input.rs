@@ -1,6 +1,6 @@
 //! Input files: traces and recorded logs, plain or compressed, or standard input.
 
-use super::failure::Failure;
+use crate::cli::failure::Failure;
 use crate::sensor::CarmenLog;
 use crate::trace::recording::{Arrival, RecordingParameters, cut};
 use crate::trace::{Event, read_trace};

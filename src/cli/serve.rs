@@ -1,6 +1,6 @@
 //! `topostar serve`: the HTTP service.
 
-use super::failure::Failure;
+use crate::cli::failure::Failure;
 use crate::service::{Limits, Maps, MemoryStore, http};
 use clap::Args;
 use std::net::SocketAddr;

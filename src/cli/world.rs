@@ -1,6 +1,6 @@
 //! `topostar world`: the bundled worlds and the traces of walks through them.
 
-use super::failure::Failure;
+use crate::cli::failure::Failure;
 use crate::trace::write_trace;
 use crate::worlds::{self, lpm_trace, star_trace};
 use clap::Args;

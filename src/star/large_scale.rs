@@ -1,6 +1,6 @@
 //! The large-scale star: what two visits must agree on to be one place.
 
-use super::{ControlLaw, SlotIndex};
+use crate::star::{ControlLaw, SlotIndex};
 
 /// A slot of the large-scale star: a distinctive state of the place, facing outward.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

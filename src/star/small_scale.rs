@@ -1,6 +1,6 @@
 //! The small-scale star: path fragments and gateways of one LPM, clockwise.
 
-use super::{LargeScaleStar, LargeSlot};
+use crate::star::{LargeScaleStar, LargeSlot};
 use std::collections::BTreeMap;
 use thiserror::Error;
 
