@@ -32,7 +32,7 @@ pub(super) fn first_constriction(
         if at % 2 == 1 && !corners.is_empty() {
             continue;
         }
-        let sides = distance.sides(way.cells[at], &along, 1.5 * resolution);
+        let sides = distance.sides(way.cells[at], &along, 1.5 * resolution, 0.0);
         for cell in [sides.left, sides.right].into_iter().flatten() {
             let corner = local(cell, resolution);
             if fall(&(corner - here), &along) > least {

@@ -7,6 +7,9 @@ use crate::gateway::{Beyond, Gateway, GatewayParameters};
 use crate::geometry::{Point, Vector, bearing, wrap_angle};
 use crate::grid::{DistanceField, SkeletonGraph, SkeletonParameters};
 
+/// What is within 60 degrees of straight left or right bounds a gateway on that side: the sine of the rest.
+const ABREAST: f64 = 0.5;
+
 /// A place and its gateways.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Neighborhood {
@@ -132,7 +135,7 @@ impl Measure<'_> {
         let resolution = self.distance.info().resolution;
         let comfort_distance = self.skeleton.comfort_distance;
         let slack = (comfort_distance - way.clearance[at]).max(2.0 * resolution).min(0.5);
-        let sides = self.distance.sides(way.cells[at], outward, slack);
+        let sides = self.distance.sides(way.cells[at], outward, slack, ABREAST);
         let here = way.points[at];
         let left = Vector::new(-outward.y, outward.x) * comfort_distance;
         let point = |cell| local(cell, resolution);
@@ -148,7 +151,7 @@ impl Measure<'_> {
         indices.dedup();
         let sample = |i: usize| {
             let along = self.outward(way, i).unwrap_or_else(Vector::zeros);
-            let sides = self.distance.sides(way.cells[i], &along, 2.0 * info.resolution);
+            let sides = self.distance.sides(way.cells[i], &along, 2.0 * info.resolution, ABREAST);
             let close = way.clearance[i] <= comfort_distance + info.resolution;
             Beyond {
                 at: info.origin.transform_point(&way.points[i]),

@@ -49,8 +49,10 @@ fn fill_gaps(info: &GridInfo, cells: &mut [Cell], most: usize) {
     }
     // All columns at once, row by row: a column at a time would jump through memory.
     let mut last_free = vec![None; info.width];
-    for i in 0..cells.len() {
-        close_gap(cells, &mut last_free[i % info.width], i, info.width, most);
+    for y in 0..info.height {
+        for (x, last) in last_free.iter_mut().enumerate() {
+            close_gap(cells, last, y * info.width + x, info.width, most);
+        }
     }
 }
 
@@ -60,8 +62,12 @@ fn close_gap(cells: &mut [Cell], last_free: &mut Option<usize>, i: usize, step: 
         Cell::Unknown => {}
         Cell::Occupied => *last_free = None,
         Cell::Free => {
-            let gap = last_free.replace(i).map(|last| (last + step..i).step_by(step));
-            gap.filter(|gap| gap.len() <= most).into_iter().flatten().for_each(|j| cells[j] = Cell::Free);
+            if let Some(last) = last_free.replace(i)
+                && last + step < i
+                && i <= last + (most + 1) * step
+            {
+                (last + step..i).step_by(step).for_each(|j| cells[j] = Cell::Free);
+            }
         }
     }
 }

@@ -57,8 +57,9 @@ impl DistanceField {
     }
 
     /// The nearest obstacle cells left and right of a direction (given along the grid's own axes), looking no
-    /// further than `slack` metres beyond the clearance. Ties go to the cell that comes first in the grid.
-    pub fn sides(&self, at: CellIndex, along: &Vector, slack: f64) -> Sides {
+    /// further than `slack` metres beyond the clearance and no closer to the direction, ahead or behind, than the
+    /// angle of the given sine. Ties go to the cell that comes first in the grid.
+    pub fn sides(&self, at: CellIndex, along: &Vector, slack: f64, least_sine: f64) -> Sides {
         let inner = self.squared[self.info.offset(at)];
         let mut sides = Sides::default();
         let mut best = [f64::INFINITY; 2];
@@ -75,7 +76,8 @@ impl DistanceField {
                 let squared = (dx * dx + dy * dy) as f64;
                 let cross = along.x * dy as f64 - along.y * dx as f64;
                 let side = usize::from(cross < 0.0);
-                if cross == 0.0 || squared >= best[side] {
+                let beside = cross != 0.0 && cross * cross >= least_sine * least_sine * squared;
+                if squared >= best[side] || !beside {
                     continue;
                 }
                 let Some(cell) = self.info.shifted(at, dx, dy) else { continue };
@@ -142,9 +144,10 @@ mod tests {
         (cells[2], cells[22]) = (Cell::Occupied, Cell::Occupied);
         let field = DistanceField::new(&grid(5, cells));
         let center = CellIndex { x: 2, y: 2 };
-        let sides = field.sides(center, &Vector::new(1.0, 0.0), 0.1);
+        let sides = field.sides(center, &Vector::new(1.0, 0.0), 0.1, 0.5);
         assert_eq!(sides.left, Some(CellIndex { x: 2, y: 4 }));
         assert_eq!(sides.right, Some(CellIndex { x: 2, y: 0 }));
-        assert_eq!(field.sides(center, &Vector::new(-1.0, 0.0), 0.1).left, sides.right);
+        assert_eq!(field.sides(center, &Vector::new(-1.0, 0.0), 0.1, 0.5).left, sides.right);
+        assert_eq!(field.sides(center, &Vector::new(0.3, 1.0), 0.1, 0.5), Sides::default());
     }
 }
