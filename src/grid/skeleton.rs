@@ -18,14 +18,14 @@ pub struct SkeletonParameters {
     pub comfort_distance: f64,
     /// The narrowest way that counts as one: between an office door (0.9) and a corridor. Default 1.1.
     pub passage_width: f64,
-    /// Radius of the window around the robot in which free space has been settled; the window also ends with the
-    /// grid. Default 10.
+    /// Radius of the neighbourhood of a place: ways lead out where they leave this window around its middle. The
+    /// window also ends with the grid. Default 7.
     pub scope: f64,
 }
 
 impl Default for SkeletonParameters {
     fn default() -> Self {
-        SkeletonParameters { comfort_distance: 2.5, passage_width: 1.1, scope: 10.0 }
+        SkeletonParameters { comfort_distance: 2.5, passage_width: 1.1, scope: 7.0 }
     }
 }
 
@@ -57,17 +57,20 @@ pub enum SkeletonError {
     NoWayOut,
 }
 
-/// The skeleton of the free space that the robot can reach from `robot`, a point of the grid's frame.
+/// The skeleton of the free space that the robot can reach from `robot` in the window around `middle`, both points
+/// of the grid's frame.
 pub fn skeletonize(
     grid: &OccupancyGrid,
     distance: &DistanceField,
     robot: &Point,
+    middle: &Point,
     parameters: &SkeletonParameters,
 ) -> Result<Skeleton, SkeletonError> {
     let info = grid.info();
     let start = info.cell_at(robot).ok_or(SkeletonError::OutsideGrid)?;
+    let center = info.cell_at(middle).unwrap_or(start);
     // A core cell that near to the end of the window has no obstacle before it: the clearance is greater.
-    let window = Window::new(info, start, parameters.scope, parameters.passage_width / 2.0);
+    let window = Window::new(info, center, parameters.scope, parameters.passage_width / 2.0);
     let mut core = Core::new(distance, &window, parameters);
     let roomy = core.inside.contains(&true);
     core.remove_open_expanses(&window, parameters.comfort_distance);
@@ -258,7 +261,7 @@ mod tests {
         let robot = Point::new(robot.0, robot.1);
         let grid = plan.render(&window(18.0, 0.1, Point::origin(), 0.0), &robot).unwrap();
         let distance = DistanceField::new(&grid);
-        let skeleton = skeletonize(&grid, &distance, &robot, &SkeletonParameters::default())?;
+        let skeleton = skeletonize(&grid, &distance, &robot, &robot, &SkeletonParameters::default())?;
         Ok((skeleton, distance))
     }
 
@@ -294,8 +297,10 @@ mod tests {
         let plan = Drawing::new().corridor((-20.0, 0.0), (20.0, 0.0), 2.0);
         let grid = plan.render(&window(18.0, 0.1, Point::origin(), 0.0), &Point::origin()).unwrap();
         let distance = DistanceField::new(&grid);
-        let from =
-            |y: f64| skeletonize(&grid, &distance, &Point::new(0.0, y), &SkeletonParameters::default());
+        let from = |y: f64| {
+            let robot = Point::new(0.0, y);
+            skeletonize(&grid, &distance, &robot, &Point::origin(), &SkeletonParameters::default())
+        };
         assert_eq!(from(1.4), from(0.0));
         assert_eq!(from(3.0), Err(SkeletonError::NoFreeSpace));
     }

@@ -268,7 +268,8 @@ mod tests {
         let grid = plan.render(&window(16.0, 0.1, Point::origin(), 0.2), &Point::origin()).unwrap();
         let distance = DistanceField::new(&grid);
         let skeleton =
-            skeletonize(&grid, &distance, &Point::origin(), &SkeletonParameters::default()).unwrap();
+            skeletonize(&grid, &distance, &Point::origin(), &Point::origin(), &SkeletonParameters::default())
+                .unwrap();
         (SkeletonGraph::new(&skeleton, &distance), distance)
     }
 

@@ -1,6 +1,6 @@
 //! From a local perceptual model to the star of the place in which the robot stands.
 
-use crate::gateway::{Gateway, GatewayParameters, find_gateways};
+use crate::gateway::{Gateway, GatewayParameters, Neighborhood, find_gateways};
 use crate::geometry::{Point, Pose, wrap_angle};
 use crate::grid::{
     CleaningParameters, DistanceField, OccupancyGrid, SkeletonError, SkeletonGraph, SkeletonParameters,
@@ -86,10 +86,7 @@ pub fn describe(lpm: &Lpm, parameters: &PerceptionParameters) -> Result<PlaceDes
     let robot = lpm.robot_pose.position();
     let grid = clean(&lpm.grid, &parameters.cleaning);
     let distance = DistanceField::new(&grid);
-    let skeleton = skeletonize(&grid, &distance, &robot, &parameters.skeleton)?;
-    let mut graph = SkeletonGraph::new(&skeleton, &distance);
-    let place = find_gateways(&mut graph, &distance, &robot, &parameters.skeleton, &parameters.gateway)
-        .ok_or(DescribeError::NoGateway)?;
+    let (graph, place) = settle(&grid, &distance, &robot, parameters)?;
     let comfort_distance = parameters.skeleton.comfort_distance;
     let fragments = pair(&place.gateways, &parameters.fragment);
     let projections: Vec<Option<Projection>> = fragments
@@ -129,6 +126,36 @@ impl PlaceDescription {
         let outward = self.star.indices().filter_map(|slot| away(&slot).map(|angle| (angle, slot)));
         outward.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, slot)| slot)
     }
+}
+
+/// How far the middle of a place may move before the window around it is laid anew, metres, and how often it is.
+const SETTLED: f64 = 0.25;
+const ROUNDS: usize = 3;
+
+/// The skeleton and the gateways in the window around the middle of the place, which is first looked for around the
+/// robot: a robot at the edge of a place does not see the same window as one in its middle, but the same place.
+fn settle(
+    grid: &OccupancyGrid,
+    distance: &DistanceField,
+    robot: &Point,
+    parameters: &PerceptionParameters,
+) -> Result<(SkeletonGraph, Neighborhood), DescribeError> {
+    let look = |middle: &Point| {
+        let skeleton = skeletonize(grid, distance, robot, middle, &parameters.skeleton)?;
+        let mut graph = SkeletonGraph::new(&skeleton, distance);
+        let place = find_gateways(&mut graph, distance, robot, &parameters.skeleton, &parameters.gateway);
+        place.map(|place| (graph, place)).ok_or(DescribeError::NoGateway)
+    };
+    let mut middle = *robot;
+    let mut seen = look(&middle)?;
+    for _ in 1..ROUNDS {
+        if (seen.1.center - middle).norm() <= SETTLED {
+            break;
+        }
+        middle = seen.1.center;
+        seen = look(&middle)?;
+    }
+    Ok(seen)
 }
 
 /// The gateway through which the robot came in: it faces away from it and stands near its axis, inside.

@@ -38,7 +38,7 @@ fn stages(criterion: &mut Criterion, name: &str, lpm: &Lpm) {
     let grid = clean(&lpm.grid, &parameters.cleaning);
     group.bench_function("distance", |b| b.iter(|| DistanceField::new(black_box(&grid))));
     let distance = DistanceField::new(&grid);
-    let thin = || skeletonize(black_box(&grid), &distance, &robot, &parameters.skeleton);
+    let thin = || skeletonize(black_box(&grid), &distance, &robot, &robot, &parameters.skeleton);
     group.bench_function("skeleton", |b| b.iter(thin));
     let Ok(skeleton) = thin() else { return };
     group.bench_function("graph", |b| b.iter(|| SkeletonGraph::new(black_box(&skeleton), &distance)));
