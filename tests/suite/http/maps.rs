@@ -20,10 +20,12 @@ async fn a_map_is_made_once() {
 async fn a_new_map_says_what_it_holds_and_expects() {
     let client = Client::new();
     let expected = json!({
-        "map": "office", "next_seq": 0, "candidates": {"value": 0, "relation": "eq"}, "complete": true,
-        "profile": "paper", "axioms": ["determinism", "star-match", "travel-moves", "path-order"],
-        "strategy": "breadth-first", "max_candidates": 7, "preferred": null, "stop_reason": null,
-        "extinction": null,
+        "map": "office", "next_seq": 0, "max_candidates": 7, "version": 1,
+        "candidates": {"value": 0, "relation": "eq"}, "candidates_per_observation": [], "maps_created": 0,
+        "refuted": {"determinism": 0, "path-order": 0, "star-match": 0, "travel-moves": 0},
+        "strategy": "breadth-first", "profile": "paper",
+        "axioms": ["determinism", "star-match", "travel-moves", "path-order"], "complete": true,
+        "preferred": null, "minimal": [], "minimal_maps": 0, "stop_reason": null, "extinction": null,
     });
     let made = client.put("office", r#"{"profile":"paper","max_candidates":7}"#).await;
     assert_eq!(made.json(), expected);
