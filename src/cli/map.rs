@@ -1,8 +1,8 @@
 //! `topostar map`: a trace in, the preferred map and the number of maps still possible out.
 
+use crate::abduction::{AxiomSet, Profile, Report, StopReason};
 use crate::cli::failure::Failure;
 use crate::cli::input::read_events;
-use crate::abduction::{AxiomSet, Profile, Report, StopReason};
 use crate::export::{self, MapGraph, map_svg, map_text};
 use crate::service::{Limits, MapConfig, Session};
 use crate::trace::{Event, write_event};

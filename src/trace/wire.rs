@@ -4,11 +4,11 @@
 //! may hold depends on its `kind`, and [`WireEvent::into_event`] says what is missing or out of place by JSON
 //! pointer.
 
-use crate::trace::wire_grid::WireLpm;
 use crate::geometry::Pose;
 use crate::star::{ControlLaw, Direction, FragmentId, GatewayId, Slot, SlotIndex, SmallScaleStar};
 use crate::trace::event::{Event, EventKind, Observation, Percept, Stamp, Travel, Turn, TurnTarget};
 use crate::trace::ndjson::EventError;
+use crate::trace::wire_grid::WireLpm;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 

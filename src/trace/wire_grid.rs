@@ -253,4 +253,3 @@ fn png_cells(bytes: &[u8], info: &GridInfo) -> Result<Vec<Cell>, String> {
     let rows = grey.rows().rev().flat_map(|row| row.map(|pixel| Cell::from_grey(pixel.0[0])));
     Ok(rows.collect())
 }
-
