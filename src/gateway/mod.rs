@@ -60,7 +60,7 @@ pub struct GatewayParameters {
     pub look_ahead: f64,
     /// Over which length beyond a gateway its direction is measured. Default 2.
     pub direction_length: f64,
-    /// How far the robot may be from the circle of clearance of the place it stands in. Default 2.
+    /// How far outside the circle of clearance of a place the robot may be on arrival. Default 3.
     pub place_reach: f64,
     /// How far a way between two exits must swing out from their chord to be a bend, a place. Default 1.2.
     pub bend: f64,
@@ -75,7 +75,7 @@ impl Default for GatewayParameters {
             constriction_depth: 0.08,
             look_ahead: 1.0,
             direction_length: 2.0,
-            place_reach: 2.0,
+            place_reach: 3.0,
             bend: 1.2,
             cap: 1.0,
         }
