@@ -33,7 +33,7 @@ fn look(plan: &Drawing, robot: &Pose, laying: &Laying) -> Result<PlaceDescriptio
     let info =
         GridInfo { origin: Pose::new(info.origin.x.round(), info.origin.y.round(), laying.turned), ..info };
     let grid = plan.render(&info, &robot_pose.position()).map_err(|error| error.to_string())?;
-    describe(&Lpm { grid, robot_pose }, &PerceptionParameters::default()).map_err(|error| error.to_string())
+    describe(&Lpm::new(grid, robot_pose), &PerceptionParameters::default()).map_err(|error| error.to_string())
 }
 
 fn print(star: &SmallScaleStar) -> String {
@@ -146,7 +146,7 @@ proptest! {
     ) {
         let info = GridInfo { resolution, width, height: cells.len() / width, origin: Pose::IDENTITY };
         let grid = OccupancyGrid::new(info, cells).unwrap();
-        let lpm = Lpm { grid, robot_pose: Pose::new(x * resolution, y * resolution, theta) };
+        let lpm = Lpm::new(grid, Pose::new(x * resolution, y * resolution, theta));
         let found = describe(&lpm, &PerceptionParameters::default());
         prop_assert_eq!(&found, &describe(&lpm, &PerceptionParameters::default()));
     }
@@ -157,7 +157,7 @@ fn grids_without_a_place_are_told_apart() {
     let uniform = |cell: Cell, side: usize, robot: Pose| {
         let info = GridInfo { resolution: 0.1, width: side, height: side, origin: Pose::IDENTITY };
         let grid = OccupancyGrid::new(info, vec![cell; side * side]).unwrap();
-        describe(&Lpm { grid, robot_pose: robot }, &PerceptionParameters::default()).unwrap_err().to_string()
+        describe(&Lpm::new(grid, robot), &PerceptionParameters::default()).unwrap_err().to_string()
     };
     let middle = Pose::new(5.0, 5.0, 0.0);
     assert_eq!(uniform(Cell::Unknown, 100, middle), uniform(Cell::Occupied, 100, middle));

@@ -3,7 +3,7 @@
 //! It is a bounded occupancy grid in a frame of its own, with the robot's pose in that frame at the moment of
 //! arrival. The robot is expected to have settled, within the neighbourhood, what is free and what is not.
 
-use crate::geometry::Pose;
+use crate::geometry::{Point, Pose};
 use crate::grid::OccupancyGrid;
 
 /// A bounded grid around a place and the pose at which the robot arrived in it.
@@ -13,4 +13,13 @@ pub struct Lpm {
     pub grid: OccupancyGrid,
     /// Pose of the robot on arrival, in the frame of the LPM.
     pub robot_pose: Pose,
+    /// The way the robot came, up to that pose, in the frame of the LPM; empty where it is not known.
+    pub trail: Vec<Point>,
+}
+
+impl Lpm {
+    /// An LPM without a trail.
+    pub fn new(grid: OccupancyGrid, robot_pose: Pose) -> Self {
+        Lpm { grid, robot_pose, trail: Vec::new() }
+    }
 }

@@ -47,7 +47,7 @@ pub fn lpm_trace(world: &World, seed: u64, resolution: f64) -> Result<LpmTrace, 
         let arrival = if step == 0 { facing(place, visit.arrival) } else { entering(place, visit.arrival) };
         let robot_pose = lpm_from_world.compose(&arrival);
         let percept =
-            Percept::Lpm(Lpm { grid: render(world, world_from_lpm, &arrival, resolution)?, robot_pose });
+            Percept::Lpm(Lpm::new(render(world, world_from_lpm, &arrival, resolution)?, robot_pose));
         push(&mut events, EventKind::Observation(Box::new(Observation { percept })));
         let (Some(departure), Some(next)) = (visit.departure, visits.get(step + 1)) else { break };
         let leaving = leaving(place, departure);

@@ -62,7 +62,7 @@ impl Extract {
         for (number, lpm) in lpms.iter().enumerate() {
             match describe(lpm, &self.parameters()) {
                 Ok(place) => {
-                    let json = serde_json::to_string(&Extraction::of(&place));
+                    let json = serde_json::to_string(&Extraction::of(number, &place));
                     writeln!(stdout(), "{}", json.map_err(|error| Failure::Broken(error.to_string()))?)?;
                     self.draw(number, &extraction_svg(&place, &lpm.robot_pose))?;
                 }
@@ -96,19 +96,25 @@ impl Extract {
             _ => return self.trace_lpms(),
         };
         let robot_pose = self.at.unwrap_or_else(|| middle(grid.info()));
-        Ok(vec![Lpm { grid, robot_pose }])
+        Ok(vec![Lpm::new(grid, robot_pose)])
     }
 
     fn trace_lpms(&self) -> Result<Vec<Lpm>, Failure> {
         let events = read_events(&self.input, self.visits.as_deref())?;
-        let lpm = |kind| match kind {
-            EventKind::Observation(seen) => match seen.percept {
-                Percept::Lpm(lpm) => Some(lpm),
-                Percept::Star { .. } => None,
-            },
-            _ => None,
-        };
-        let lpms: Vec<Lpm> = events.into_iter().filter_map(|event| lpm(event.kind)).collect();
+        let mut lpms = Vec::new();
+        let mut way = None;
+        for event in events {
+            match event.kind {
+                EventKind::Travel(travel) => way = Some(travel),
+                EventKind::Observation(seen) => {
+                    if let Percept::Lpm(lpm) = seen.percept {
+                        let trail = way.take().map(|way| way.trail(&lpm.robot_pose)).unwrap_or_default();
+                        lpms.push(Lpm { trail, ..lpm });
+                    }
+                }
+                EventKind::Turn(_) => {}
+            }
+        }
         if lpms.is_empty() {
             return Err(Failure::input(
                 &self.input,

@@ -8,6 +8,8 @@ use serde::Serialize;
 /// Gateways and star of one LPM. Points and directions are in its frame, metres and radians.
 #[derive(Clone, Debug, Serialize)]
 pub struct Extraction {
+    /// Which of the grids given, counted from 0.
+    pub observation: usize,
     /// The star, clockwise from the slot on which the robot came in, else from the one it faces.
     pub star: WireStar,
     /// The slot on which the robot came in; null if its pose fits no gateway.
@@ -41,7 +43,7 @@ pub struct ExtractedGateway {
 
 impl Extraction {
     /// The JSON form of a described place.
-    pub fn of(place: &PlaceDescription) -> Extraction {
+    pub fn of(observation: usize, place: &PlaceDescription) -> Extraction {
         let gateway = |(index, gateway): (usize, &crate::gateway::Gateway)| ExtractedGateway {
             id: index + 1,
             center: pair(&gateway.center),
@@ -51,6 +53,7 @@ impl Extraction {
             margin: gateway.margin,
         };
         Extraction {
+            observation,
             star: WireStar::from_star(&place.star),
             arrival: place.arrival.map(|slot| slot.0),
             facing: place.facing.0,

@@ -256,7 +256,7 @@ mod tests {
             Drawing::new().corridor((-9.0, 0.0), (9.0, 0.0), 2.0).corridor((0.0, 0.0), (0.0, -9.0), 2.0);
         let robot_pose = Pose::new(0.0, -0.8, 1.6);
         let grid = tee.render(&window(12.0, 0.1, Point::origin(), 0.0), &Point::origin()).unwrap();
-        let place = describe(&Lpm { grid, robot_pose }, &PerceptionParameters::default()).unwrap();
+        let place = describe(&Lpm::new(grid, robot_pose), &PerceptionParameters::default()).unwrap();
         let picture = extraction_svg(&place, &robot_pose);
         for text in ["gw1 out &amp; gw3 in", "DeadEnd", "PF2\u{2212}", "2 m"] {
             assert!(picture.contains(text), "{text} is missing");

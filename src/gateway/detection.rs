@@ -21,15 +21,16 @@ pub struct Neighborhood {
     pub gateways: Vec<Gateway>,
 }
 
-/// Walks outward from the middle of the robot's place along the skeleton; nothing if there is no way out.
+/// Walks outward from the middle of the place at or next to `near` along the skeleton; nothing if there is no way
+/// out.
 pub fn find_gateways(
     graph: &mut SkeletonGraph,
     distance: &DistanceField,
-    robot: &Point,
+    near: &Point,
     skeleton: &SkeletonParameters,
     parameters: &GatewayParameters,
 ) -> Option<Neighborhood> {
-    let center = place_center(graph, distance, robot, parameters)?;
+    let center = place_center(graph, distance, near, parameters)?;
     let ways = graph.ways_out(center).into_iter().map(|cells| {
         let way = Way::new(cells, distance);
         let at = first_constriction(&way, distance, parameters);

@@ -1,4 +1,4 @@
-//! The middle of the place in which the robot stands.
+//! The middle of the place at or next to a point: where the robot stands, or where the middle was found before.
 
 use crate::gateway::GatewayParameters;
 use crate::gateway::way::Way;
@@ -6,38 +6,38 @@ use crate::geometry::Point;
 use crate::grid::{CellIndex, DistanceField, NodeKind, SkeletonGraph};
 use petgraph::graph::NodeIndex;
 
-/// How much of a way on either side of the robot decides whether it bends, metres.
+/// How much of a way on either side of the point decides whether it bends, metres.
 const BEND_SIGHT: f64 = 6.0;
 
-/// The middle of the place: the junction whose circle of clearance holds the robot or is nearest to it, with the
-/// greatest clearance among such; without one in reach, the widest point of a bend, or of the way beside the robot.
+/// The middle of the place: the junction whose circle of clearance holds the point or is nearest to it, with the
+/// greatest clearance among such; without one in reach, the widest point of a bend, or of the way beside the point.
 pub(super) fn place_center(
     graph: &mut SkeletonGraph,
     distance: &DistanceField,
-    robot: &Point,
+    near: &Point,
     parameters: &GatewayParameters,
 ) -> Option<NodeIndex> {
-    if let Some(node) = junction(graph, distance, robot, parameters) {
+    if let Some(node) = junction(graph, distance, near, parameters) {
         return Some(climb(graph, distance, node));
     }
-    let cell = on_way(graph, distance, robot, parameters)?;
+    let cell = on_way(graph, distance, near, parameters)?;
     graph.ensure_node(cell, distance)
 }
 
-/// Distance from the robot to the circle of clearance around a cell; 0 inside.
-fn gap(distance: &DistanceField, cell: CellIndex, robot: &Point) -> f64 {
-    ((distance.info().center(cell) - robot).norm() - distance.clearance(cell)).max(0.0)
+/// Distance from a point to the circle of clearance around a cell; 0 inside.
+fn gap(distance: &DistanceField, cell: CellIndex, near: &Point) -> f64 {
+    ((distance.info().center(cell) - near).norm() - distance.clearance(cell)).max(0.0)
 }
 
 fn junction(
     graph: &SkeletonGraph,
     distance: &DistanceField,
-    robot: &Point,
+    near: &Point,
     parameters: &GatewayParameters,
 ) -> Option<NodeIndex> {
     let place = |kind: NodeKind| matches!(kind, NodeKind::Junction | NodeKind::DeadEnd);
     let nodes = graph.graph.node_indices().filter(|&n| place(graph.graph[n].kind));
-    let near = nodes.map(|n| (gap(distance, graph.graph[n].cell, robot), graph.graph[n].clearance, n));
+    let near = nodes.map(|n| (gap(distance, graph.graph[n].cell, near), graph.graph[n].clearance, n));
     let near = near.filter(|&(gap, ..)| gap <= parameters.place_reach);
     near.min_by(|a, b| a.0.total_cmp(&b.0).then(b.1.total_cmp(&a.1))).map(|(_, _, n)| n)
 }
@@ -64,17 +64,17 @@ fn climb(graph: &SkeletonGraph, distance: &DistanceField, start: NodeIndex) -> N
 fn on_way(
     graph: &SkeletonGraph,
     distance: &DistanceField,
-    robot: &Point,
+    near: &Point,
     parameters: &GatewayParameters,
 ) -> Option<CellIndex> {
-    let away = |cell: CellIndex| (distance.info().center(cell) - robot).norm();
+    let away = |cell: CellIndex| (distance.info().center(cell) - near).norm();
     let nearest = |cells: &[CellIndex]| cells.iter().map(|&c| away(c)).fold(f64::INFINITY, f64::min);
     let edges = graph.graph.edge_weights();
     let edge = edges.min_by(|a, b| nearest(&a.cells).total_cmp(&nearest(&b.cells)))?;
     let way = Way::new(edge.cells.clone(), distance);
     let beside = (0..way.cells.len()).min_by(|&a, &b| away(way.cells[a]).total_cmp(&away(way.cells[b])))?;
     let bend = bend(&way, beside, parameters);
-    let reached = bend.filter(|&at| gap(distance, way.cells[at], robot) <= parameters.place_reach);
+    let reached = bend.filter(|&at| gap(distance, way.cells[at], near) <= parameters.place_reach);
     let (middle, reach) = match reached {
         Some(at) => (at, 1.0),
         None => (beside, parameters.place_reach),

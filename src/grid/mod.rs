@@ -10,5 +10,5 @@ mod thinning;
 pub use cleaning::{CleaningParameters, clean};
 pub use distance::DistanceField;
 pub use occupancy::{Cell, CellIndex, GridError, GridInfo, OccupancyGrid};
-pub use skeleton::{Skeleton, SkeletonError, SkeletonParameters, skeletonize};
+pub use skeleton::{Skeleton, SkeletonError, SkeletonParameters, Surroundings, skeletonize};
 pub use skeleton_graph::{NodeKind, SkeletonEdge, SkeletonGraph, SkeletonNode};

@@ -21,11 +21,31 @@ pub struct SkeletonParameters {
     /// Radius of the neighbourhood of a place: ways lead out where they leave this window around its middle. The
     /// window also ends with the grid. Default 7.
     pub scope: f64,
+    /// Width of the robot: where it has driven there is a way, however narrow. Default 0.6.
+    pub robot_width: f64,
+}
+
+/// What a skeleton is looked for around, points of the grid's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surroundings<'a> {
+    /// Where the robot is.
+    pub robot: Point,
+    /// The middle of the window.
+    pub middle: Point,
+    /// The way the robot came.
+    pub trail: &'a [Point],
+}
+
+impl Surroundings<'_> {
+    /// Of a robot in the middle of its window that does not know how it came there.
+    pub fn of(robot: Point) -> Self {
+        Surroundings { robot, middle: robot, trail: &[] }
+    }
 }
 
 impl Default for SkeletonParameters {
     fn default() -> Self {
-        SkeletonParameters { comfort_distance: 2.5, passage_width: 1.1, scope: 7.0 }
+        SkeletonParameters { comfort_distance: 2.5, passage_width: 1.1, scope: 7.0, robot_width: 0.6 }
     }
 }
 
@@ -57,21 +77,20 @@ pub enum SkeletonError {
     NoWayOut,
 }
 
-/// The skeleton of the free space that the robot can reach from `robot` in the window around `middle`, both points
-/// of the grid's frame.
+/// The skeleton of the free space in the window that the robot can reach.
 pub fn skeletonize(
     grid: &OccupancyGrid,
     distance: &DistanceField,
-    robot: &Point,
-    middle: &Point,
+    around: &Surroundings,
     parameters: &SkeletonParameters,
 ) -> Result<Skeleton, SkeletonError> {
     let info = grid.info();
-    let start = info.cell_at(robot).ok_or(SkeletonError::OutsideGrid)?;
-    let center = info.cell_at(middle).unwrap_or(start);
+    let start = info.cell_at(&around.robot).ok_or(SkeletonError::OutsideGrid)?;
+    let center = info.cell_at(&around.middle).unwrap_or(start);
     // A core cell that near to the end of the window has no obstacle before it: the clearance is greater.
     let window = Window::new(info, center, parameters.scope, parameters.passage_width / 2.0);
     let mut core = Core::new(distance, &window, parameters);
+    core.add_trail(around.trail, &window, parameters.robot_width / 2.0);
     let roomy = core.inside.contains(&true);
     core.remove_open_expanses(&window, parameters.comfort_distance);
     if roomy && !core.inside.contains(&true) {
@@ -143,6 +162,29 @@ impl<'a> Core<'a> {
         Core { info, squared, inside: (0..squared.len()).map(fits).collect() }
     }
 
+    /// Adds the free cells that the robot has driven over.
+    fn add_trail(&mut self, trail: &[Point], window: &Window, half_width: f64) {
+        let reach = half_width / self.info.resolution;
+        let to_cells = self.info.origin.inverse();
+        let local = |point: &Point| to_cells.transform_point(point) / self.info.resolution;
+        for leg in trail.windows(2) {
+            let (from, to) = (local(&leg[0]), local(&leg[1]));
+            let (low, high) = (from.inf(&to), from.sup(&to));
+            let range = |low: f64, high: f64, side: usize| {
+                // Casts saturate: a trail that leaves the grid is cut at its edge.
+                (low - reach).max(0.0) as usize..((high + reach).ceil().max(0.0) as usize).min(side)
+            };
+            for y in range(low.y, high.y, self.info.height) {
+                for x in range(low.x, high.x, self.info.width) {
+                    let at = CellIndex { x, y };
+                    let off = off_segment(&Point::new(x as f64 + 0.5, y as f64 + 0.5), &from, &to);
+                    let i = self.info.offset(at);
+                    self.inside[i] |= off <= reach && self.squared[i] > 0.0 && window.contains(at);
+                }
+            }
+        }
+    }
+
     /// Takes out the cells beyond the comfort distance wherever they reach the rim of the window.
     fn remove_open_expanses(&mut self, window: &Window, comfort_distance: f64) {
         let most = (comfort_distance / self.info.resolution).powi(2);
@@ -155,6 +197,13 @@ impl<'a> Core<'a> {
             }
         }
     }
+}
+
+/// Distance of a point from a segment.
+fn off_segment(point: &Point, from: &Point, to: &Point) -> f64 {
+    let along = to - from;
+    let share = (point - from).dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE);
+    (point - (from + along * share.clamp(0.0, 1.0))).norm()
 }
 
 /// The cells connected to `start` by sides or corners, ascending.
@@ -261,7 +310,8 @@ mod tests {
         let robot = Point::new(robot.0, robot.1);
         let grid = plan.render(&window(18.0, 0.1, Point::origin(), 0.0), &robot).unwrap();
         let distance = DistanceField::new(&grid);
-        let skeleton = skeletonize(&grid, &distance, &robot, &robot, &SkeletonParameters::default())?;
+        let skeleton =
+            skeletonize(&grid, &distance, &Surroundings::of(robot), &SkeletonParameters::default())?;
         Ok((skeleton, distance))
     }
 
@@ -299,7 +349,12 @@ mod tests {
         let distance = DistanceField::new(&grid);
         let from = |y: f64| {
             let robot = Point::new(0.0, y);
-            skeletonize(&grid, &distance, &robot, &Point::origin(), &SkeletonParameters::default())
+            skeletonize(
+                &grid,
+                &distance,
+                &Surroundings { middle: Point::origin(), ..Surroundings::of(robot) },
+                &SkeletonParameters::default(),
+            )
         };
         assert_eq!(from(1.4), from(0.0));
         assert_eq!(from(3.0), Err(SkeletonError::NoFreeSpace));

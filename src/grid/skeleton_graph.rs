@@ -261,14 +261,14 @@ fn key(cell: CellIndex) -> (usize, usize) {
 mod tests {
     use super::*;
     use crate::geometry::{Point, Pose};
-    use crate::grid::{SkeletonParameters, skeletonize};
+    use crate::grid::{SkeletonParameters, Surroundings, skeletonize};
     use crate::worlds::drawing::{Drawing, window};
 
     fn graph(plan: &Drawing) -> (SkeletonGraph, DistanceField) {
         let grid = plan.render(&window(16.0, 0.1, Point::origin(), 0.2), &Point::origin()).unwrap();
         let distance = DistanceField::new(&grid);
         let skeleton =
-            skeletonize(&grid, &distance, &Point::origin(), &Point::origin(), &SkeletonParameters::default())
+            skeletonize(&grid, &distance, &Surroundings::of(Point::origin()), &SkeletonParameters::default())
                 .unwrap();
         (SkeletonGraph::new(&skeleton, &distance), distance)
     }

@@ -4,7 +4,7 @@ use crate::gateway::{Gateway, GatewayParameters, Neighborhood, find_gateways};
 use crate::geometry::{Point, Pose, wrap_angle};
 use crate::grid::{
     CleaningParameters, DistanceField, OccupancyGrid, SkeletonError, SkeletonGraph, SkeletonParameters,
-    clean, skeletonize,
+    Surroundings, clean, skeletonize,
 };
 use crate::lpm::Lpm;
 use crate::star::assembly::{Directed, clockwise, directed, number};
@@ -83,10 +83,9 @@ pub fn describe(lpm: &Lpm, parameters: &PerceptionParameters) -> Result<PlaceDes
     if !lpm.robot_pose.is_finite() {
         return Err(DescribeError::Pose);
     }
-    let robot = lpm.robot_pose.position();
     let grid = clean(&lpm.grid, &parameters.cleaning);
     let distance = DistanceField::new(&grid);
-    let (graph, place) = settle(&grid, &distance, &robot, parameters)?;
+    let (graph, place) = settle(lpm, &grid, &distance, parameters)?;
     let comfort_distance = parameters.skeleton.comfort_distance;
     let fragments = pair(&place.gateways, &parameters.fragment);
     let projections: Vec<Option<Projection>> = fragments
@@ -135,25 +134,27 @@ const ROUNDS: usize = 3;
 /// The skeleton and the gateways in the window around the middle of the place, which is first looked for around the
 /// robot: a robot at the edge of a place does not see the same window as one in its middle, but the same place.
 fn settle(
+    lpm: &Lpm,
     grid: &OccupancyGrid,
     distance: &DistanceField,
-    robot: &Point,
     parameters: &PerceptionParameters,
 ) -> Result<(SkeletonGraph, Neighborhood), DescribeError> {
-    let look = |middle: &Point| {
-        let skeleton = skeletonize(grid, distance, robot, middle, &parameters.skeleton)?;
+    let robot = lpm.robot_pose.position();
+    let look = |middle: Point| {
+        let around = Surroundings { robot, middle, trail: &lpm.trail };
+        let skeleton = skeletonize(grid, distance, &around, &parameters.skeleton)?;
         let mut graph = SkeletonGraph::new(&skeleton, distance);
-        let place = find_gateways(&mut graph, distance, robot, &parameters.skeleton, &parameters.gateway);
+        let place = find_gateways(&mut graph, distance, &middle, &parameters.skeleton, &parameters.gateway);
         place.map(|place| (graph, place)).ok_or(DescribeError::NoGateway)
     };
-    let mut middle = *robot;
-    let mut seen = look(&middle)?;
+    let mut middle = robot;
+    let mut seen = look(middle)?;
     for _ in 1..ROUNDS {
         if (seen.1.center - middle).norm() <= SETTLED {
             break;
         }
         middle = seen.1.center;
-        seen = look(&middle)?;
+        seen = look(middle)?;
     }
     Ok(seen)
 }
@@ -215,7 +216,7 @@ mod tests {
         let plan =
             Drawing::new().corridor((-9.0, 0.0), (9.0, 0.0), 2.0).corridor((0.0, 0.0), (0.0, -9.0), 2.0);
         let grid = plan.render(&window(12.0, 0.1, Point::origin(), 0.0), &Point::origin()).unwrap();
-        describe(&Lpm { grid, robot_pose }, &PerceptionParameters::default()).unwrap()
+        describe(&Lpm::new(grid, robot_pose), &PerceptionParameters::default()).unwrap()
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The events of a trace as plain values.
 
-use crate::geometry::Pose;
+use crate::geometry::{Point, Pose};
 use crate::lpm::Lpm;
 use crate::star::{SlotIndex, SmallScaleStar};
 
@@ -90,4 +90,15 @@ pub struct Travel {
     pub from_pose: Option<Pose>,
     /// The way it went, points in the frame of `odometry`, metres.
     pub shape: Vec<[f64; 2]>,
+}
+
+impl Travel {
+    /// The way it went in a frame in which the robot's pose at its end is `arrival`; empty without odometry or
+    /// shape.
+    pub fn trail(&self, arrival: &Pose) -> Vec<Point> {
+        let Some(odometry) = self.odometry.filter(|_| !self.shape.is_empty()) else { return Vec::new() };
+        let frame_from_start = arrival.compose(&odometry.inverse());
+        let way = self.shape.iter().map(|&[x, y]| frame_from_start.transform_point(&Point::new(x, y)));
+        way.chain([arrival.position()]).collect()
+    }
 }

@@ -7,7 +7,7 @@
 use crate::geometry::{Pose, wrap_angle};
 use crate::lpm::Lpm;
 use crate::star::{SlotIndex, SmallScaleStar};
-use crate::trace::event::{Event, EventKind, Observation, Percept, Turn, TurnTarget};
+use crate::trace::event::{Event, EventKind, Observation, Percept, Travel, Turn, TurnTarget};
 use crate::trace::ndjson::EventError;
 use std::f64::consts::FRAC_PI_3;
 use thiserror::Error;
@@ -117,8 +117,8 @@ enum Phase {
     #[default]
     Start,
     Place(Here),
-    /// Left by a slot; `None` where grids are not looked into.
-    Travelling(Option<SlotIndex>),
+    /// Left by a slot, `None` where grids are not looked into, and on the way.
+    Travelling(Option<SlotIndex>, Box<Travel>),
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -160,12 +160,14 @@ impl Experience {
             return Err(ExperienceError::Sequence { expected: self.next_seq, found: event.seq });
         }
         let (phase, sighting) = match (&event.kind, &self.phase) {
-            (EventKind::Observation(seen), Phase::Start) => observe(seen, None, true, describe)?,
-            (EventKind::Observation(seen), Phase::Travelling(departure)) => {
-                observe(seen, *departure, false, describe)?
+            (EventKind::Observation(seen), Phase::Start) => observe(seen, None, None, describe)?,
+            (EventKind::Observation(seen), Phase::Travelling(departure, travel)) => {
+                observe(seen, *departure, Some(travel), describe)?
             }
             (EventKind::Turn(turn), Phase::Place(here)) => (Phase::Place(here.turned(turn)?), None),
-            (EventKind::Travel(_), Phase::Place(here)) => (Phase::Travelling(here.departure()?), None),
+            (EventKind::Travel(travel), Phase::Place(here)) => {
+                (Phase::Travelling(here.departure()?, travel.clone()), None)
+            }
             (found, phase) => return Err(out_of_order(found, phase)),
         };
         self.phase = phase;
@@ -219,18 +221,20 @@ fn slot_towards(star: &SmallScaleStar, heading: f64) -> Result<SlotIndex, Experi
 fn observe(
     seen: &Observation,
     departure: Option<SlotIndex>,
-    first: bool,
+    travel: Option<&Travel>,
     describe: Option<Describe>,
 ) -> Result<(Phase, Option<Sighting>), ExperienceError> {
     let (star, arrival, robot_pose) = match (&seen.percept, describe) {
         (Percept::Star { star, dstate, robot_pose }, _) => (star.clone(), *dstate, *robot_pose),
         (Percept::Lpm(lpm), Some(describe)) => {
-            let Described { star, arrival } = describe(lpm, first)?;
+            let trail = travel.map(|travel| travel.trail(&lpm.robot_pose)).unwrap_or_default();
+            let lpm = Lpm { trail, ..lpm.clone() };
+            let Described { star, arrival } = describe(&lpm, travel.is_none())?;
             (star, arrival, Some(lpm.robot_pose))
         }
         (Percept::Lpm(_), None) => return Ok((Phase::Place(Here { facing: None, heading: None }), None)),
     };
-    if !first && star.slot(arrival).is_none_or(|slot| slot.inward.is_none()) {
+    if travel.is_some() && star.slot(arrival).is_none_or(|slot| slot.inward.is_none()) {
         return Err(ExperienceError::ArrivalNotInward(arrival.0));
     }
     let heading = robot_pose.map(|pose: Pose| pose.theta).or_else(|| star.slot(arrival)?.bearing);
@@ -247,7 +251,7 @@ fn out_of_order(found: &EventKind, phase: &Phase) -> ExperienceError {
     let expected = match phase {
         Phase::Start => "an observation first",
         Phase::Place(_) => "a turn or a travel after an observation",
-        Phase::Travelling(_) => "the observation at the end of the travel",
+        Phase::Travelling(..) => "the observation at the end of the travel",
     };
     ExperienceError::Order { found, expected }
 }

@@ -189,7 +189,7 @@ impl Stay {
                 used = Some(pose);
             }
         }
-        Ok(Lpm { grid: evidence.grid()?, robot_pose: self.lpm_from(&scans[self.arrival].odom_from_robot) })
+        Ok(Lpm::new(evidence.grid()?, self.lpm_from(&scans[self.arrival].odom_from_robot)))
     }
 
     /// A pose of the odometry frame in the LPM's frame.

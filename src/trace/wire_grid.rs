@@ -107,7 +107,7 @@ pub struct WireQuaternion {
 impl WireLpm {
     /// The grid with the robot's pose in it.
     pub fn lpm(self, robot_pose: Pose) -> Result<Lpm, EventError> {
-        Ok(Lpm { grid: self.grid("/lpm")?, robot_pose })
+        Ok(Lpm::new(self.grid("/lpm")?, robot_pose))
     }
 
     /// The grid; errors point below `at`.

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::hint::black_box;
 use topostar::gateway::find_gateways;
 use topostar::geometry::{Point, Pose};
-use topostar::grid::{DistanceField, SkeletonGraph, clean, skeletonize};
+use topostar::grid::{DistanceField, SkeletonGraph, Surroundings, clean, skeletonize};
 use topostar::lpm::Lpm;
 use topostar::star::{PerceptionParameters, describe};
 use topostar::worlds::drawing::{Drawing, window};
@@ -17,7 +17,7 @@ fn lpm(plan: &Drawing) -> Option<Lpm> {
     let robot_pose = Pose::new(0.0, 0.0, 0.3);
     let info = window(20.0, 0.05, Point::origin(), 0.0);
     let grid = plan.moved(&robot_pose).render(&info, &robot_pose.position()).ok()?;
-    Some(Lpm { grid, robot_pose })
+    Some(Lpm::new(grid, robot_pose))
 }
 
 fn grid_to_star(criterion: &mut Criterion) {
@@ -38,7 +38,7 @@ fn stages(criterion: &mut Criterion, name: &str, lpm: &Lpm) {
     let grid = clean(&lpm.grid, &parameters.cleaning);
     group.bench_function("distance", |b| b.iter(|| DistanceField::new(black_box(&grid))));
     let distance = DistanceField::new(&grid);
-    let thin = || skeletonize(black_box(&grid), &distance, &robot, &robot, &parameters.skeleton);
+    let thin = || skeletonize(black_box(&grid), &distance, &Surroundings::of(robot), &parameters.skeleton);
     group.bench_function("skeleton", |b| b.iter(thin));
     let Ok(skeleton) = thin() else { return };
     group.bench_function("graph", |b| b.iter(|| SkeletonGraph::new(black_box(&skeleton), &distance)));
