@@ -98,7 +98,7 @@ impl Session {
         let mut experience = self.experience.clone();
         let describe = |lpm: &Lpm, first| perceive(lpm, first, &PerceptionParameters::default());
         if let Some(sighting) = experience.accept(event, &describe)? {
-            self.abduction.observe(&visit(&sighting))?;
+            self.abduction.observe(&Visit::from(&sighting))?;
         }
         self.experience = experience;
         self.cells = cells;
@@ -152,6 +152,9 @@ fn cells(event: &Event) -> usize {
     }
 }
 
-fn visit(sighting: &Sighting) -> Visit {
-    Visit { departure: sighting.departure, star: sighting.star.large_scale(), arrival: sighting.arrival }
+impl From<&Sighting> for Visit {
+    /// What the logic takes of a sighting: metres stop here.
+    fn from(sighting: &Sighting) -> Visit {
+        Visit { departure: sighting.departure, star: sighting.star.large_scale(), arrival: sighting.arrival }
+    }
 }

@@ -4,10 +4,10 @@
 #![allow(clippy::unwrap_used, reason = "a helper of tests fails the test")]
 
 use topostar::abduction::{Abduction, Assignment, AxiomId, AxiomSet, Limits, Profile, Report, Visit};
-use topostar::lpm::Lpm;
-use topostar::star::{LargeScaleStar, PerceptionParameters, SlotIndex, describe};
+use topostar::star::{LargeScaleStar, PerceptionParameters, SlotIndex};
 use topostar::trace::event::Event;
-use topostar::trace::experience::{Described, Experience, ExperienceError, Sighting};
+use topostar::trace::experience::{Experience, Sighting};
+use topostar::trace::perceive::perceive;
 use topostar::trace::{read_trace, write_trace};
 use topostar::worlds::{self, Expectation, LpmTrace, Truth, World, lpm_trace, star_trace};
 
@@ -21,15 +21,14 @@ fn world(name: &str) -> World {
 
 fn sightings(events: &[Event]) -> Vec<Sighting> {
     let mut experience = Experience::new();
-    events.iter().filter_map(|event| experience.accept(event, &look).unwrap()).collect()
-}
-
-fn look(lpm: &Lpm, first: bool) -> Result<Described, ExperienceError> {
-    let seen = describe(lpm, &PerceptionParameters::default())
-        .map_err(|error| ExperienceError::NotDescribed(error.to_string()))?;
-    let arrival = if first { Some(seen.facing) } else { seen.arrival };
-    let arrival = arrival.ok_or_else(|| ExperienceError::NotDescribed("came in by no gateway".into()))?;
-    Ok(Described { star: seen.star, arrival })
+    events
+        .iter()
+        .filter_map(|event| {
+            experience
+                .accept(event, &|lpm, first| perceive(lpm, first, &PerceptionParameters::default()))
+                .unwrap()
+        })
+        .collect()
 }
 
 fn recorded(name: &str) -> Vec<Event> {
@@ -41,9 +40,8 @@ fn recorded(name: &str) -> Vec<Event> {
 
 fn explain(sightings: &[Sighting], profile: Profile) -> Abduction {
     let mut abduction = Abduction::new(AxiomSet::of(profile), Limits::default());
-    for Sighting { star, arrival, departure } in sightings {
-        let visit = Visit { departure: *departure, star: star.large_scale(), arrival: *arrival };
-        abduction.observe(&visit).unwrap();
+    for sighting in sightings {
+        abduction.observe(&Visit::from(sighting)).unwrap();
     }
     abduction
 }

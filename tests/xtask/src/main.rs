@@ -1,5 +1,7 @@
 //! Helper tasks: `cargo xtask test` is everything that has to pass before a change lands.
 
+use std::fs;
+use std::path::Path;
 use std::process::{Command, ExitCode};
 
 struct Step {
@@ -42,15 +44,16 @@ const HELP: &str = "\
 usage: cargo xtask <task>
 
   test     format check, lints, all tests, documentation, golden files up to date
-  golden   write the golden files anew (api/openapi.json); look at the difference before committing";
+  golden   write the golden files anew (api/openapi.json, api/examples, worlds/pictures); look at the difference
+           before committing";
 
 fn main() -> ExitCode {
     let tasks: Vec<String> = std::env::args().skip(1).collect();
     match tasks.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-        ["test"] => run_all(TEST),
-        ["golden"] => run_all(&[Step {
+        ["test"] => test(),
+        ["golden"] => run_all(&[&Step {
             what: "golden files",
-            arguments: &["test", "--locked", "--test", "suite", "golden"],
+            arguments: &["test", "--locked", "--test", "suite"],
             environment: &[("UPDATE_GOLDEN", "1")],
             component: None,
         }]),
@@ -65,7 +68,28 @@ fn main() -> ExitCode {
     }
 }
 
-fn run_all(steps: &[Step]) -> ExitCode {
+/// Tests on recorded data that is not part of the repository; its folder lies beside the checkout, or does not.
+const REAL_DATA: Step = Step {
+    what: "tests on recorded data",
+    arguments: &["test", "--locked", "--test", "real_data"],
+    environment: &[],
+    component: None,
+};
+
+fn test() -> ExitCode {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    if root.join("../shared/data").is_dir() {
+        return run_all(&TEST.iter().chain([&REAL_DATA]).collect::<Vec<_>>());
+    }
+    let outcome = run_all(&TEST.iter().collect::<Vec<_>>());
+    println!("skipped, as ../shared/data is not there:");
+    let source = fs::read_to_string(root.join("tests/real_data/main.rs")).unwrap_or_default();
+    let tests = source.split("#[test]\nfn ").skip(1).filter_map(|rest| rest.split('(').next());
+    tests.for_each(|name| println!("  real_data {name}"));
+    outcome
+}
+
+fn run_all(steps: &[&Step]) -> ExitCode {
     for (k, step) in steps.iter().enumerate() {
         println!("\n[{}/{}] {}", k + 1, steps.len(), step.what);
         if let Err(why) = step.run() {

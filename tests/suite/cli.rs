@@ -1,0 +1,161 @@
+//! The command line from outside: what it prints, what it writes, and the code it ends with.
+
+use crate::openapi::assert_golden;
+use serde_json::Value;
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+fn topostar(arguments: &[&str]) -> Output {
+    fed(arguments, b"")
+}
+
+fn fed(arguments: &[&str], input: &[u8]) -> Output {
+    let mut process = Command::new(env!("CARGO_BIN_EXE_topostar"))
+        .args(arguments)
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut stdin = process.stdin.take().unwrap();
+    let input = input.to_vec();
+    // A process that refuses its input early closes the pipe.
+    let feeding = std::thread::spawn(move || drop(stdin.write_all(&input)));
+    let output = process.wait_with_output().unwrap();
+    feeding.join().unwrap();
+    output
+}
+
+fn json(output: &Output) -> Value {
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {}", text(&output.stderr)))
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+#[test]
+fn the_report_has_the_fields_that_are_promised() {
+    let output = topostar(&[
+        "map",
+        "worlds/aces-stars.ndjson",
+        "--profile",
+        "paper",
+        "--strategy",
+        "breadth-first",
+        "--json",
+    ]);
+    assert_eq!(output.status.code(), Some(0));
+    let report = json(&output);
+    assert_eq!(report["candidates"], serde_json::json!({"value": 35, "relation": "eq"}));
+    assert_eq!(
+        report["candidates_per_observation"],
+        serde_json::json!([1, 1, 1, 1, 2, 2, 2, 1, 2, 2, 5, 5, 15, 15, 35])
+    );
+    assert_eq!(report["maps_created"], 68);
+    assert_eq!(report["minimal"].as_array().unwrap().len(), 2);
+    assert_eq!((&report["strategy"], &report["profile"]), (&"breadth-first".into(), &"paper".into()));
+    assert_eq!((&report["complete"], &report["stop_reason"]), (&true.into(), &Value::Null));
+    let preferred = &report["preferred"];
+    assert_eq!((&preferred["unique"], &preferred["proven"]), (&false.into(), &true.into()));
+    assert_eq!((&preferred["paths"], &preferred["places"]), (&6.into(), &9.into()));
+    assert!(report["seconds"].is_number() && report["refuted"]["determinism"].is_number());
+}
+
+#[test]
+fn a_trace_comes_from_standard_input_too() {
+    let trace =
+        std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds/aces-stars.ndjson")).unwrap();
+    let report = json(&fed(&["map", "-", "--json"], &trace));
+    assert_eq!(report["candidates"]["value"], 23);
+    assert_eq!(
+        report["preferred"]["visits"],
+        serde_json::json!([0, 1, 2, 3, 4, 5, 6, 7, 0, 8, 4, 8, 6, 8, 2])
+    );
+    assert_eq!(report["preferred"]["unique"], true);
+}
+
+#[test]
+fn bad_input_ends_with_code_3_and_names_file_and_line() {
+    let output = fed(&["map", "-", "--json"], b"{\"seq\":0,\"kind\":\"travel\"}\n");
+    assert_eq!(output.status.code(), Some(3));
+    assert!(
+        text(&output.stderr).contains("-: line 1: /kind a travel may not come here"),
+        "{}",
+        text(&output.stderr)
+    );
+    let output = topostar(&["map", "worlds/no-such-trace.ndjson"]);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(text(&output.stderr).contains("worlds/no-such-trace.ndjson: cannot be opened"));
+}
+
+#[test]
+fn usage_no_map_and_limit_have_codes_of_their_own() {
+    assert_eq!(topostar(&["map"]).status.code(), Some(2));
+    let refuted = topostar(&["map", "worlds/door-shut.ndjson", "--json"]);
+    assert_eq!(refuted.status.code(), Some(4));
+    assert!(text(&refuted.stderr).contains("refuted by star-match"), "{}", text(&refuted.stderr));
+    assert_eq!(json(&refuted)["preferred"], Value::Null);
+    let cut = topostar(&["map", "worlds/grid3x3-16.ndjson", "--max-candidates", "10", "--json"]);
+    assert_eq!(cut.status.code(), Some(5));
+    let report = json(&cut);
+    assert_eq!((&report["complete"], &report["candidates"]["relation"]), (&false.into(), &"gte".into()));
+    assert_eq!(report["stop_reason"], "candidate-limit");
+}
+
+#[test]
+fn no_events_give_no_map_and_no_error() {
+    let report = json(&fed(&["map", "-", "--json"], b""));
+    assert_eq!((&report["candidates"]["value"], &report["preferred"]), (&0.into(), &Value::Null));
+}
+
+/// The picture at the head of the README is what the demo draws.
+#[test]
+fn the_demo_prefers_the_true_office_and_draws_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = topostar(&["demo", "-o", folder.path().to_str().unwrap()]);
+    let printed = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(printed.contains("preferred map: 1 of 23 possible, the simplest, proven"), "{printed}");
+    assert!(printed.contains("visits to places 0 1 2 3 4 5 6 7 0 8 4 8 6 8 2"), "{printed}");
+    let drawn = std::fs::read_to_string(folder.path().join("office.svg")).unwrap();
+    assert_golden("worlds/pictures/office-map.svg", &drawn);
+}
+
+#[test]
+fn every_world_is_written_mapped_and_drawn() {
+    let names = text(&topostar(&["world"]).stdout);
+    assert!(names.lines().count() >= 9, "{names}");
+    for name in names.lines().filter_map(|line| line.split_whitespace().next()) {
+        let grids = topostar(&["world", name, "--seed", "3", "--resolution", "0.1"]);
+        let stars = topostar(&["world", name, "--stars"]);
+        let counts = |trace: &Output| {
+            json(&fed(&["map", "-", "--json"], &trace.stdout))["candidates_per_observation"].clone()
+        };
+        assert_eq!(counts(&grids), counts(&stars), "{name}");
+        assert!(text(&topostar(&["world", name, "--picture"]).stdout).starts_with("<svg"), "{name}");
+    }
+}
+
+#[test]
+fn a_place_is_extracted_as_json_and_as_a_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let trace = topostar(&["world", "office"]).stdout;
+    let output = fed(&["extract", "-", "-o", folder.path().to_str().unwrap()], &trace);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let places: Vec<Value> =
+        text(&output.stdout).lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(places.len(), 15);
+    assert_eq!(places[9]["gateways"].as_array().unwrap().len(), 4);
+    let drawn = std::fs::read_to_string(folder.path().join("observation-00.svg")).unwrap();
+    assert_golden("worlds/pictures/office-place.svg", &drawn);
+}
+
+#[test]
+fn only_loopback_is_served() {
+    let output = topostar(&["serve", "--listen", "0.0.0.0:0"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stderr).contains("not a loopback address"));
+}
