@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a helper of tests fails the test")]
 
 mod cli;
+mod docs;
 mod http;
 mod layers;
 mod openapi;

@@ -1,0 +1,50 @@
+//! What the documents say is what the program does.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+use topostar::abduction::REGISTRY;
+
+fn document(name: &str) -> String {
+    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).unwrap()
+}
+
+#[test]
+fn the_architecture_states_every_axiom_as_the_registry_does() {
+    let text = document("ARCHITECTURE.md");
+    for axiom in &REGISTRY {
+        let profiles: Vec<&str> = axiom.profiles.iter().map(|profile| profile.name()).collect();
+        let row = format!("| `{}` | {} | {} |", axiom.name, profiles.join(", "), axiom.statement);
+        assert!(text.contains(&row), "ARCHITECTURE.md has no row\n{row}");
+    }
+    let rows =
+        text.split("## The axioms").nth(1).unwrap().lines().filter(|line| line.starts_with("| `")).count();
+    assert_eq!(rows, REGISTRY.len());
+}
+
+/// All but the port, which the system chooses.
+#[test]
+fn the_readme_shows_what_the_demo_prints() {
+    let folder = tempfile::tempdir().unwrap();
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_topostar")).arg("demo").current_dir(&folder).output().unwrap();
+    let printed = String::from_utf8(output.stdout).unwrap();
+    let text = document("README.md");
+    let shown = text.split("$ cargo run --release -- demo\n").nth(1).unwrap().split("\n```").next().unwrap();
+    let without_port = |line: &str| line.split("http://127.0.0.1").next().unwrap().to_owned();
+    let lines = |text: &str| text.trim_end().lines().map(without_port).collect::<Vec<_>>();
+    assert_eq!(lines(shown), lines(&printed));
+}
+
+#[test]
+fn the_readme_names_files_and_verbs_that_exist() {
+    let text = document("README.md");
+    for link in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+        assert!(Path::new(env!("CARGO_MANIFEST_DIR")).join(link).exists(), "{link}");
+    }
+    let verbs = text.lines().filter_map(|line| line.strip_prefix("topostar ")?.split_whitespace().next());
+    for verb in verbs {
+        let help = Command::new(env!("CARGO_BIN_EXE_topostar")).args([verb, "--help"]).output().unwrap();
+        assert!(help.status.success(), "topostar {verb}");
+    }
+}
