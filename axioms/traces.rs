@@ -16,5 +16,5 @@ pub(crate) fn visits(name: &str) -> Vec<Visit> {
     let mut experience = Experience::new();
     let parameters = PerceptionParameters::default();
     let mut look = |event| experience.accept(event, &|lpm, first| perceive(lpm, first, &parameters)).unwrap();
-    events.iter().filter_map(|event| look(event)).map(|sighting| Visit::from(&sighting)).collect()
+    events.iter().filter_map(look).map(|sighting| Visit::from(&sighting)).collect()
 }

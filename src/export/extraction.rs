@@ -2,7 +2,7 @@
 
 use crate::geometry::Point;
 use crate::star::PlaceDescription;
-use crate::trace::wire::WireStar;
+use crate::trace::wire_star::WireStar;
 use serde::Serialize;
 
 /// Gateways and star of one LPM. Points and directions are in its frame, metres and radians.

@@ -1,9 +1,9 @@
 //! A drawing of one extraction: grid, skeleton, gateways, path fragments, and the star listed beside them.
 
+use crate::export::sheet::{COLORS, FAINT, INK, sheet};
 use crate::geometry::{Point, Pose, Vector, bearing, direction};
 use crate::grid::{Cell, OccupancyGrid};
 use crate::star::{ControlLaw, Direction, PlaceDescription, Slot};
-use svg::Document;
 use svg::node::element::{Circle, Group, Line, Path, Polyline, Rectangle, Text};
 
 /// Side of the map, user units.
@@ -12,22 +12,13 @@ const MAP: f64 = 640.0;
 const LISTING: f64 = 430.0;
 const PADDING: f64 = 20.0;
 const LINE_HEIGHT: f64 = 30.0;
-/// Okabe and Ito's colours, told apart by colour-blind readers; one a fragment, in turn.
-const COLORS: [&str; 6] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
-const INK: &str = "#1f2933";
-const FAINT: &str = "#7b8794";
 
 /// An SVG document of a described place and the robot's pose in it.
 pub fn extraction_svg(place: &PlaceDescription, robot: &Pose) -> String {
     let view = View::around(&place.grid);
     let height = (MAP + 2.0 * PADDING).max(place.star.slots().len() as f64 * LINE_HEIGHT + 130.0);
     let width = MAP + LISTING + 3.0 * PADDING;
-    let document = Document::new()
-        .set("viewBox", (0.0, 0.0, width, height))
-        .set("width", width)
-        .set("height", height)
-        .set("font-family", "Inter, 'DejaVu Sans', Helvetica, Arial, sans-serif")
-        .add(Rectangle::new().set("width", width).set("height", height).set("fill", "white"))
+    let document = sheet(width, height)
         .add(grid(&place.grid, &view))
         .add(skeleton(place, &view))
         .add(fragments(place, &view))

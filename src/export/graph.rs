@@ -2,7 +2,7 @@
 
 use crate::abduction::Candidate;
 use crate::map::{BoundSlot, DstateId, Paths, PlaceId, Segment, TopoPath, TopologicalMap};
-use crate::trace::wire::{WireControl, WireDirection};
+use crate::trace::wire_star::{WireControl, WireDirection};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 

@@ -1,10 +1,10 @@
 //! A map as a drawing: places, paths in colours, segments, unexplored gateways and dead ends.
 
+use crate::export::sheet::{COLORS, FAINT, INK, sheet};
 use crate::export::{GraphDstate, GraphGateway, GraphPlace, GraphSegment, Layout, MapGraph};
 use crate::geometry::{Point, Vector, direction};
-use crate::trace::wire::WireControl;
-use svg::Document;
-use svg::node::element::{Circle, Group, Line, Path, Rectangle, Text};
+use crate::trace::wire_star::WireControl;
+use svg::node::element::{Circle, Group, Line, Path, Text};
 
 /// User units a segment.
 const UNIT: f64 = 150.0;
@@ -12,26 +12,17 @@ const MARGIN: f64 = 100.0;
 const HEADER: f64 = 56.0;
 const PLACE_RADIUS: f64 = 19.0;
 const STUB: f64 = 44.0;
-/// Okabe and Ito's colours, told apart by colour-blind readers; one a path, in turn.
-const COLORS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6d00"];
-const INK: &str = "#1f2933";
-const FAINT: &str = "#7b8794";
 
 /// An SVG document of a map, under a title and one line of explanation.
 pub fn map_svg(map: &MapGraph, title: &str, subtitle: &str) -> String {
-    let sheet = Sheet::new(map);
-    let (width, height) = sheet.size();
-    let document = Document::new()
-        .set("viewBox", (0.0, 0.0, width, height))
-        .set("width", width)
-        .set("height", height)
-        .set("font-family", "Inter, 'DejaVu Sans', Helvetica, Arial, sans-serif")
-        .add(Rectangle::new().set("width", width).set("height", height).set("fill", "white"))
+    let drawing = Drawing::new(map);
+    let (width, height) = drawing.size();
+    let document = sheet(width, height)
         .add(label(title, 24.0, 30.0, 17.0, INK).set("font-weight", "600"))
         .add(label(subtitle, 24.0, 50.0, 12.5, FAINT))
-        .add(sheet.segments())
-        .add(sheet.stubs())
-        .add(sheet.places())
+        .add(drawing.segments())
+        .add(drawing.stubs())
+        .add(drawing.places())
         .add(label(LEGEND[0], 24.0, height - 32.0, 11.0, FAINT))
         .add(label(LEGEND[1], 24.0, height - 16.0, 11.0, FAINT));
     document.to_string()
@@ -42,22 +33,22 @@ const LEGEND: [&str; 2] = [
     "bar: a path ends, blocked; ring: a path ends in the open, where no control law applies",
 ];
 
-struct Sheet<'a> {
+struct Drawing<'a> {
     map: &'a MapGraph,
     layout: Layout,
     low: Point,
     high: Point,
 }
 
-impl<'a> Sheet<'a> {
-    fn new(map: &'a MapGraph) -> Sheet<'a> {
+impl<'a> Drawing<'a> {
+    fn new(map: &'a MapGraph) -> Drawing<'a> {
         let layout = Layout::of(map);
         let (mut low, mut high) = (Point::origin(), Point::origin());
         for place in &map.places {
             let at = layout.position(place.id);
             (low, high) = (low.inf(&at), high.sup(&at));
         }
-        Sheet { map, layout, low, high }
+        Drawing { map, layout, low, high }
     }
 
     fn size(&self) -> (f64, f64) {

@@ -1,7 +1,7 @@
 //! A map in words.
 
 use crate::export::{GraphDstate, GraphPath, GraphPlace, MapGraph};
-use crate::trace::wire::{WireControl, WireDirection};
+use crate::trace::wire_star::{WireControl, WireDirection};
 use std::fmt::Write;
 
 /// The map as lines of text: the places on each path in order, and the star of each place clockwise.

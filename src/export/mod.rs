@@ -5,6 +5,7 @@
 
 mod graph;
 mod report;
+mod sheet;
 mod extraction;
 mod extraction_svg;
 mod layout;

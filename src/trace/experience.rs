@@ -8,7 +8,7 @@ use crate::geometry::{Pose, wrap_angle};
 use crate::lpm::Lpm;
 use crate::star::{SlotIndex, SmallScaleStar};
 use crate::trace::event::{Event, EventKind, Observation, Percept, Travel, Turn, TurnTarget};
-use crate::trace::ndjson::EventError;
+use crate::trace::event_error::EventError;
 use std::f64::consts::FRAC_PI_3;
 use thiserror::Error;
 

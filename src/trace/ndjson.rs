@@ -1,6 +1,7 @@
 //! Lines of NDJSON to events and back.
 
 use crate::trace::event::Event;
+use crate::trace::event_error::EventError;
 use crate::trace::experience::{Experience, ExperienceError};
 use crate::trace::wire::WireEvent;
 use std::io::{self, BufRead, Read, Write};
@@ -8,23 +9,6 @@ use thiserror::Error;
 
 /// The longest line that is read, bytes; a grid of the largest posted size as a list of numbers fits.
 pub const MAX_LINE: u64 = 32 * 1024 * 1024;
-
-/// What is wrong with one event.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("{}{message}", if pointer.is_empty() { String::new() } else { format!("{pointer} ") })]
-pub struct EventError {
-    /// JSON pointer to the value at fault; empty for the whole object.
-    pub pointer: String,
-    /// What was found, what was expected, how to mend it.
-    pub message: String,
-}
-
-impl EventError {
-    /// An error at a JSON pointer.
-    pub fn new(pointer: impl Into<String>, message: impl Into<String>) -> Self {
-        EventError { pointer: pointer.into(), message: message.into() }
-    }
-}
 
 /// Why a trace could not be read further. Everything before the line stands.
 #[derive(Debug, Error)]

@@ -241,3 +241,78 @@ fn shape(poses: impl Iterator<Item = Pose>) -> Vec<[f64; 2]> {
     }
     points
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::FRAC_PI_2;
+
+    /// A drive of 20 m east and 20 m north in steps of 0.1 m, a wall always 2 m ahead.
+    fn drive() -> Vec<LaserScan> {
+        let east = (0..=200).map(|k| Pose::new(0.1 * f64::from(k), 0.0, 0.0));
+        let north = (0..=200).map(|k| Pose::new(20.0, 0.1 * f64::from(k), FRAC_PI_2));
+        let scan = |(k, odom_from_robot)| LaserScan {
+            stamp: k as f64,
+            odom_from_robot,
+            robot_from_laser: Pose::IDENTITY,
+            start_angle: 0.0,
+            angle_increment: 0.1,
+            ranges: vec![Some(2.0)],
+        };
+        east.chain(north).enumerate().map(scan).collect()
+    }
+
+    fn arrival(scan: usize) -> Arrival {
+        Arrival { place: "P".into(), scan }
+    }
+
+    #[test]
+    fn a_bend_becomes_an_observation_a_turn_and_a_travel() {
+        let arrivals = [arrival(0), arrival(170), arrival(371)];
+        let events = cut(&drive(), &arrivals, &RecordingParameters::default()).unwrap();
+        assert!(events.iter().map(|event| event.seq).eq(0..7));
+        let EventKind::Observation(seen) = &events[3].kind else { panic!("{:?}", events[3]) };
+        let Percept::Lpm(lpm) = &seen.percept else { panic!("{seen:?}") };
+        // The place is three metres ahead of the arrival: at the bend.
+        assert!((lpm.robot_pose.x + 3.0).abs() < 1e-9 && lpm.robot_pose.y.abs() < 1e-9);
+        let EventKind::Turn(Turn { target: TurnTarget::Heading(heading), .. }) = events[4].kind else {
+            panic!()
+        };
+        assert!((heading - FRAC_PI_2).abs() < 1e-6, "{heading}");
+        let EventKind::Travel(travel) = &events[5].kind else { panic!() };
+        let way = travel.odometry.unwrap();
+        // It left the place 3.1 m north of the bend, and arrived 17 m north of it.
+        assert!((way.x - 13.9).abs() < 1e-6 && way.y.abs() < 1e-6 && way.theta.abs() < 1e-9, "{way:?}");
+        assert!((travel.from_pose.unwrap().y - 3.1).abs() < 1e-6);
+        let trail = travel.trail(&Pose::new(1.0, 2.0, 0.0));
+        assert_eq!(trail.last().copied(), Some(Point::new(1.0, 2.0)));
+        assert!(trail.iter().all(|point| (point.y - 2.0).abs() < 1e-6 && point.x <= 1.0 + 1e-6));
+    }
+
+    #[test]
+    fn arrivals_must_come_in_order_and_lie_in_the_log() {
+        let refused = |scans: &[usize]| {
+            let arrivals: Vec<Arrival> = scans.iter().map(|&scan| arrival(scan)).collect();
+            cut(&drive(), &arrivals, &RecordingParameters::default()).unwrap_err().to_string()
+        };
+        assert!(refused(&[5, 5]).starts_with("arrival 1 is at scan 5"));
+        assert!(refused(&[402]).starts_with("arrival 0 is at scan 402"));
+        assert_eq!(cut(&drive(), &[], &RecordingParameters::default()), Ok(Vec::new()));
+    }
+
+    #[test]
+    fn a_malformed_list_of_arrivals_is_refused_by_line() {
+        let read = |text: &str| Arrival::read_csv(text).map_err(|error| error.to_string());
+        let good = read("# a comment\nvisit,place,raw_scan_index\n0,N, 12\n").unwrap();
+        assert_eq!(good, [Arrival { place: "N".into(), scan: 12 }]);
+        for (text, fault) in [
+            ("", "line 1: is missing"),
+            ("visit,place\n0,N\n", "line 1: has no column raw_scan_index"),
+            ("place,raw_scan_index\nN,x\n", "line 2: has `x`"),
+            ("place,raw_scan_index\nN\n", "line 2: has fewer columns"),
+        ] {
+            let error = read(text).unwrap_err();
+            assert!(error.starts_with(fault), "{error}");
+        }
+    }
+}

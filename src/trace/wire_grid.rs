@@ -3,7 +3,7 @@
 use crate::geometry::Pose;
 use crate::grid::{Cell, GridInfo, OccupancyGrid};
 use crate::lpm::Lpm;
-use crate::trace::ndjson::EventError;
+use crate::trace::event_error::EventError;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::{Deserialize, Serialize};

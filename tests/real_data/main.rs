@@ -51,9 +51,10 @@ fn a_place_of_the_aces_building_reads_alike_at_every_visit() {
     let (_, arrivals, events) = aces();
     let parameters = PerceptionParameters::default();
     let mut experience = Experience::new();
-    let mut look = |event| experience.accept(event, &|lpm, first| perceive(lpm, first, &parameters)).unwrap();
+    let mut look =
+        |event: &Event| experience.accept(event, &|lpm, first| perceive(lpm, first, &parameters)).unwrap();
     let stars: Vec<LargeScaleStar> =
-        events.iter().filter_map(|event| look(event)).map(|seen| seen.star.large_scale()).collect();
+        events.iter().filter_map(look).map(|seen| seen.star.large_scale()).collect();
     let at = |name: &str| -> Vec<&LargeScaleStar> {
         arrivals
             .iter()
