@@ -15,6 +15,6 @@ pub(crate) fn visits(name: &str) -> Vec<Visit> {
     assert!(fault.is_none(), "{path}: {fault:?}");
     let mut experience = Experience::new();
     let parameters = PerceptionParameters::default();
-    let mut look = |event| experience.accept(event, &|lpm, first| perceive(lpm, first, &parameters)).unwrap();
+    let look = |event| experience.accept(event, &|lpm, first| perceive(lpm, first, &parameters)).unwrap();
     events.iter().filter_map(look).map(|sighting| Visit::from(&sighting)).collect()
 }

@@ -7,8 +7,9 @@ use crate::cli::world;
 use crate::export::{MapGraph, Report, map_svg, map_text, place_type};
 use crate::service::http;
 use crate::trace::{Event, EventKind, write_event};
-use crate::worlds::lpm_trace;
+use crate::worlds::{self, lpm_trace};
 use clap::Args;
+use clap::builder::PossibleValuesParser;
 use serde::de::DeserializeOwned;
 use std::fs;
 use std::io::{Write, stdout};
@@ -23,7 +24,7 @@ use tokio::net::TcpListener;
 #[derive(Debug, Args)]
 pub(super) struct Demo {
     /// The world to walk through; `topostar world` lists them.
-    #[arg(default_value = "office")]
+    #[arg(default_value = "office", value_parser = PossibleValuesParser::new(worlds::names()))]
     world: String,
     /// Draws where each grid lies in its frame, and the noise of the odometry.
     #[arg(long, default_value_t = 0)]

@@ -1,7 +1,7 @@
 //! `topostar extract`: gateways and star of one grid, or of every grid of a trace.
 
 use crate::cli::failure::Failure;
-use crate::cli::input::{open, read_events};
+use crate::cli::input::{open, plain_extension, read_events};
 use crate::export::{Extraction, extraction_svg};
 use crate::geometry::Pose;
 use crate::grid::{Cell, GridInfo, OccupancyGrid};
@@ -90,7 +90,7 @@ impl Extract {
     }
 
     fn lpms(&self) -> Result<Vec<Lpm>, Failure> {
-        let grid = match self.input.extension().and_then(|e| e.to_str()).unwrap_or_default() {
+        let grid = match plain_extension(&self.input).as_str() {
             "json" => self.json_grid()?,
             "png" | "pgm" => self.image_grid()?,
             _ => return self.trace_lpms(),

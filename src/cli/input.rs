@@ -31,9 +31,14 @@ pub(super) fn read_events(input: &Path, visits: Option<&Path>) -> Result<Vec<Eve
 
 /// Whether a file name is that of a CARMEN log.
 fn is_log(input: &Path) -> bool {
-    let name = input.to_string_lossy();
-    let plain = name.trim_end_matches(".bz2").trim_end_matches(".gz");
-    plain.ends_with(".clf") || plain.ends_with(".log")
+    matches!(plain_extension(input).as_str(), "clf" | "log")
+}
+
+/// The extension of a file name once that of a compression is taken off; empty if there is none.
+pub(super) fn plain_extension(path: &Path) -> String {
+    let compressed = path.extension().is_some_and(|ending| ending == "bz2" || ending == "gz");
+    let plain = if compressed { path.with_extension("") } else { path.to_owned() };
+    plain.extension().map(|ending| ending.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
 fn read_log(input: &Path, visits: &Path) -> Result<Vec<Event>, Failure> {

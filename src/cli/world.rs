@@ -4,6 +4,7 @@ use crate::cli::failure::Failure;
 use crate::trace::write_trace;
 use crate::worlds::{self, lpm_trace, star_trace};
 use clap::Args;
+use clap::builder::PossibleValuesParser;
 use std::io::{BufWriter, Write, stdout};
 
 /// Write the trace of a bundled world, or list the worlds.
@@ -16,6 +17,7 @@ Examples:
   topostar world office --picture > office.svg    the building as a drawing")]
 pub(super) struct World {
     /// Name of the world; left out, the names are listed.
+    #[arg(value_parser = PossibleValuesParser::new(worlds::names()))]
     name: Option<String>,
     /// Bare stars in place of grids.
     #[arg(long)]
