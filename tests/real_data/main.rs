@@ -2,6 +2,8 @@
 //!
 //! `cargo xtask test` runs them where the folder is there, and else names them as skipped.
 
+#![allow(clippy::unwrap_used, reason = "a helper of tests fails the test")]
+
 use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
@@ -51,7 +53,7 @@ fn a_place_of_the_aces_building_reads_alike_at_every_visit() {
     let (_, arrivals, events) = aces();
     let parameters = PerceptionParameters::default();
     let mut experience = Experience::new();
-    let mut look =
+    let look =
         |event: &Event| experience.accept(event, &|lpm, first| perceive(lpm, first, &parameters)).unwrap();
     let stars: Vec<LargeScaleStar> =
         events.iter().filter_map(look).map(|seen| seen.star.large_scale()).collect();

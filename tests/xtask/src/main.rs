@@ -27,6 +27,12 @@ const TEST: &[Step] = &[
         component: Some("clippy"),
     },
     Step {
+        what: "lints of the tests on recorded data, which are no default target",
+        arguments: &["clippy", "--locked", "--test", "real_data", "--", "-D", "warnings"],
+        environment: &[],
+        component: Some("clippy"),
+    },
+    Step {
         what: "tests, golden files included",
         arguments: &["test", "--workspace", "--locked"],
         environment: &[],
