@@ -97,6 +97,8 @@ impl Drawing {
     /// touching those are occupied, all else is unknown. A cell is open if its centre is.
     /// Refuses what [`OccupancyGrid::new`] refuses.
     pub fn render(&self, info: &GridInfo, inside: &Point) -> Result<OccupancyGrid, GridError> {
+        // Refuses bad sizes before memory is taken for them.
+        OccupancyGrid::check(info)?;
         let mut cells = vec![Cell::Unknown; info.width * info.height];
         let mut stack: Vec<CellIndex> = info.cell_at(inside).into_iter().collect();
         while let Some(at) = stack.pop() {
@@ -197,6 +199,16 @@ mod tests {
         assert_eq!(cell(1.05, 0.0), Cell::Occupied);
         assert_eq!(cell(1.55, 0.0), Cell::Unknown);
         assert_eq!(cell(2.5, 0.0), Cell::Unknown);
+    }
+
+    #[test]
+    fn a_window_of_no_size_or_beyond_all_bounds_is_refused() {
+        let plan = Drawing::new().room((-1.0, -1.0), (1.0, 1.0));
+        let render =
+            |resolution| plan.render(&window(8.0, resolution, Point::origin(), 0.0), &Point::origin());
+        assert_eq!(render(0.0), Err(GridError::Resolution(0.0)));
+        assert!(matches!(render(1e-9), Err(GridError::Size { .. })));
+        assert!(matches!(render(1e9), Err(GridError::Size { .. })));
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! The children of a candidate: every way to explain one more observation.
 
+use crate::abduction::kept::Kept;
 use crate::abduction::{Assignment, AxiomId, AxiomSet, Branch, Proposal, Refutations, Visit};
 use crate::map::{DstateId, InternedStar, PlaceId, TopologicalMap};
 use crate::star::SlotIndex;
@@ -27,7 +28,7 @@ pub(super) struct Extension<'a> {
     pub(super) seen: &'a Seen,
     pub(super) axioms: AxiomSet,
     pub(super) refuted: Refutations,
-    pub(super) children: Vec<(u32, Child)>,
+    pub(super) kept: Kept,
 }
 
 impl Seen {
@@ -78,7 +79,7 @@ impl Extension<'_> {
         let matches = self.seen.alignments(map, to.place).contains(&rotation);
         if self.admits(&Proposal::Known { branch, to, matches }) {
             let assignment = Assignment { place: to.place, rotation };
-            self.children.push((parent, Child { map: Arc::clone(map), assignment, made: false }));
+            self.kept.push(parent, Child { map: Arc::clone(map), assignment, made: false });
         }
     }
 
@@ -92,7 +93,7 @@ impl Extension<'_> {
                 if (to != branch.from() || refutable) && self.admits(&Proposal::Closure { branch, to }) {
                     let map = Arc::new(map.joined(branch.from(), to));
                     let assignment = Assignment { place, rotation };
-                    self.children.push((parent, Child { map, assignment, made: true }));
+                    self.kept.push(parent, Child { map, assignment, made: true });
                 }
             }
         }
@@ -106,7 +107,7 @@ impl Extension<'_> {
             let to = DstateId { place, slot: self.seen.gateway };
             let map = Arc::new(map.grown(branch.from(), &self.seen.star, to));
             let assignment = Assignment { place, rotation: 0 };
-            self.children.push((parent, Child { map, assignment, made: true }));
+            self.kept.push(parent, Child { map, assignment, made: true });
         }
     }
 

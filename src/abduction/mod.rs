@@ -13,6 +13,7 @@ mod axiom_set;
 mod branch;
 mod candidate;
 mod children;
+mod kept;
 mod preference;
 mod refutation;
 mod report;

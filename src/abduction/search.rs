@@ -2,6 +2,7 @@
 
 use crate::abduction::candidate::{Assignment, Candidate};
 use crate::abduction::children::{Child, Extension, Seen, turned};
+use crate::abduction::kept::Kept;
 use crate::abduction::tree::{Node, Tree};
 use crate::abduction::{
     AxiomSet, Count, Extinction, Refutations, Report, Simplicity, StopReason, Visit, VisitError,
@@ -72,7 +73,9 @@ impl Abduction {
                     assignment: Assignment { place: PlaceId::FIRST, rotation: 0 },
                     made: true,
                 };
-                self.keep(vec![(0, child)], Refutations::default());
+                let mut kept = Kept::new(self.limits.max_candidates);
+                kept.push(0, child);
+                self.keep(kept, Refutations::default());
             }
             Some(departure) => self.extend(&Seen::new(visit, departure, star)),
         }
@@ -141,21 +144,20 @@ impl Abduction {
     }
 
     fn extend(&mut self, seen: &Seen) {
-        let mut extension =
-            Extension { seen, axioms: self.axioms, refuted: Refutations::default(), children: Vec::new() };
+        let kept = Kept::new(self.limits.max_candidates);
+        let mut extension = Extension { seen, axioms: self.axioms, refuted: Refutations::default(), kept };
         for (parent, (map, leaf)) in (0..).zip(self.maps.iter().zip(self.tree.leaves())) {
             extension.extend(parent, map, leaf.assignment);
         }
-        self.keep(extension.children, extension.refuted);
+        self.keep(extension.kept, extension.refuted);
     }
 
-    fn keep(&mut self, mut children: Vec<(u32, Child)>, refuted: Refutations) {
-        self.maps_created += children.iter().filter(|(_, child)| child.made).count() as u64;
-        if let Some(limit) = self.limits.max_candidates
-            && children.len() > limit
-        {
-            cut(&mut children, limit);
-            self.first_cut = self.first_cut.or(Some(self.tree.depth()));
+    fn keep(&mut self, kept: Kept, refuted: Refutations) {
+        self.maps_created += kept.made;
+        let observation = self.tree.depth();
+        let (children, cut) = kept.finish();
+        if cut {
+            self.first_cut = self.first_cut.or(Some(observation));
         }
         let node = |(parent, child): &(u32, Child)| Node { parent: *parent, assignment: child.assignment };
         self.tree.push(children.iter().map(node).collect());
@@ -176,15 +178,4 @@ impl Abduction {
         let axioms = self.refuted[observation].iter().map(|(id, _)| id).collect();
         Some(Extinction { observation, axioms })
     }
-}
-
-/// Keeps the simplest, and of equally simple ones the first, in their order.
-fn cut(children: &mut Vec<(u32, Child)>, limit: usize) {
-    let mut ranked: Vec<(Simplicity, usize)> =
-        children.iter().enumerate().map(|(index, (_, child))| (Simplicity::of(&child.map), index)).collect();
-    ranked.sort_unstable();
-    let mut keep = vec![false; children.len()];
-    ranked[..limit].iter().for_each(|&(_, index)| keep[index] = true);
-    let mut keep = keep.into_iter();
-    children.retain(|_| keep.next().unwrap_or(false));
 }

@@ -129,6 +129,7 @@ impl Extract {
         let mut json = serde_json::Deserializer::from_reader(open(&self.input)?);
         let wire: WireLpm =
             serde_path_to_error::deserialize(&mut json).map_err(|error| bad(error.to_string()))?;
+        json.end().map_err(|error| bad(format!("more text after the grid: {error}; expected one object")))?;
         wire.grid("").map_err(|error| bad(error.to_string()))
     }
 
@@ -160,9 +161,22 @@ fn middle(info: &GridInfo) -> Pose {
 }
 
 fn pose(text: &str) -> Result<Pose, String> {
-    let numbers: Vec<f64> = text.split(',').filter_map(|word| word.trim().parse().ok()).collect();
-    match numbers[..] {
-        [x, y, theta] if numbers.iter().all(|n| n.is_finite()) => Ok(Pose::new(x, y, theta)),
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|word| word.trim().parse()).collect();
+    match numbers.as_deref() {
+        Ok(&[x, y, theta]) if [x, y, theta].iter().all(|n| n.is_finite()) => Ok(Pose::new(x, y, theta)),
         _ => Err("expected three numbers, x,y,heading".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pose_is_three_numbers_and_nothing_else() {
+        assert_eq!(pose("1, -2,0.5"), Ok(Pose::new(1.0, -2.0, 0.5)));
+        for bad in ["1,2", "1,2,3,4", "1,x,2,3", "1,2,nan", "1,2,1e999", "", ",,"] {
+            assert!(pose(bad).is_err(), "{bad}");
+        }
     }
 }

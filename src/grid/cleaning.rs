@@ -28,7 +28,9 @@ pub fn clean(grid: &OccupancyGrid, parameters: &CleaningParameters) -> Occupancy
     let info = *grid.info();
     let cell_area = info.resolution * info.resolution;
     let mut cells = grid.cells().to_vec();
-    fill_gaps(&info, &mut cells, ((parameters.gap / info.resolution) + 1e-6) as usize);
+    // No gap is longer than the grid, however small its cells.
+    let gap = ((parameters.gap / info.resolution) + 1e-6).min(info.width.max(info.height) as f64);
+    fill_gaps(&info, &mut cells, gap as usize);
     // Areas of whole cells are compared with areas in decimal metres.
     let cells_in = |area: f64| area / cell_area - 1e-6;
     let (stray, speck) = (cells_in(parameters.stray), cells_in(parameters.speck));
@@ -181,6 +183,14 @@ mod tests {
         assert_eq!(cleaned(&["???????", ".?.??.?", "???????"])[1], "...??.?");
         assert_eq!(cleaned(&["??.??", "?????", "??.#."]), ["??.??", "??.??", "??.?."]);
         assert_eq!(cleaned(&["#####", ".###.", ".???."]), ["#####", ".###.", ".???."]);
+    }
+
+    #[test]
+    fn cells_may_be_as_small_as_they_like() {
+        let info = GridInfo { resolution: 1e-300, width: 3, height: 1, origin: Pose::IDENTITY };
+        let cells = vec![Cell::Free, Cell::Unknown, Cell::Free];
+        let cleaned = clean(&OccupancyGrid::new(info, cells).unwrap(), &CleaningParameters::default());
+        assert_eq!(cleaned.cells(), [Cell::Free; 3]);
     }
 
     #[test]

@@ -9,13 +9,15 @@
 use crate::geometry::Pose;
 use crate::sensor::LaserScan;
 use std::f64::consts::FRAC_PI_2;
-use std::io::{self, BufRead};
+use std::io::{self, BufRead, Read};
 use thiserror::Error;
 
 /// Ranges from this fraction of the log's largest value on count as no return.
 const NO_RETURN_FRACTION: f64 = 0.99;
 /// The most beams a scan may announce.
 const MAX_BEAMS: usize = 100_000;
+/// The longest line that is read, bytes; a scan of the most beams fits.
+const MAX_LINE: u64 = 4 * 1024 * 1024;
 
 /// A log read to its end: the scans in file order and what was passed over.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -58,12 +60,20 @@ impl CarmenLog {
         let mut text = Vec::new();
         for line in 1.. {
             text.clear();
-            if input.read_until(b'\n', &mut text).map_err(|source| CarmenError::Read { line, source })? == 0 {
-                break;
+            let read = input.by_ref().take(MAX_LINE + 1).read_until(b'\n', &mut text);
+            match read.map_err(|source| CarmenError::Read { line, source })? {
+                0 => break,
+                read if read as u64 > MAX_LINE => {
+                    let message = format!("is longer than {MAX_LINE} bytes, expected one message a line");
+                    return Err(CarmenError::Line { line, message });
+                }
+                _ => {}
             }
             let text = String::from_utf8_lossy(&text);
+            // A byte order mark would hide the first scan, and every scan would be counted one too low.
+            let text = text.trim_start_matches('\u{feff}');
             let cut_off = !text.ends_with('\n');
-            match parse_line(&text) {
+            match parse_line(text) {
                 Ok(Some(scan)) => log.scans.push(scan),
                 Ok(None) => log.skipped += 1,
                 Err(_) if cut_off => log.skipped += 1,
@@ -153,6 +163,19 @@ mod tests {
         assert_eq!(scan.stamp, 7.5);
         let hits: Vec<_> = scan.hits().collect();
         assert!((hits[0].y + 1.0).abs() < 1e-12 && (hits[1].x - 2.1).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_byte_order_mark_does_not_hide_the_first_scan() {
+        let log = CarmenLog::read(format!("\u{feff}{LINE}{LINE}").as_bytes()).unwrap();
+        assert_eq!((log.scans.len(), log.skipped), (2, 0));
+    }
+
+    #[test]
+    fn a_line_without_end_is_refused_before_it_fills_the_memory() {
+        let endless = LINE.as_bytes().chain(io::repeat(b'0'));
+        let error = CarmenLog::read(io::BufReader::new(endless)).unwrap_err();
+        assert_eq!(error.to_string(), "line 2: is longer than 4194304 bytes, expected one message a line");
     }
 
     #[test]

@@ -104,6 +104,9 @@ pub fn cells_crossed(info: &GridInfo, from: &Point, to: &Point) -> impl Iterator
     })
 }
 
+/// Cells from the grid's corner beyond which a segment is not walked along.
+const FARTHEST: f64 = 1e9;
+
 /// A walk over unit cells along a segment.
 struct Steps {
     cell: [i64; 2],
@@ -128,7 +131,9 @@ impl Steps {
             (d.signum() as i64, (border - start[a]) / d, 1.0 / d.abs())
         };
         let ((sx, nx, dx), (sy, ny, dy)) = (axis(0), axis(1));
-        let left = (last[0] - first[0]).abs() + (last[1] - first[1]).abs() + 1;
+        // Cells that far from the grid are not countable, and none of them is in it.
+        let near = start.iter().chain(&end).all(|v| v.abs() < FARTHEST);
+        let left = if near { (last[0] - first[0]).abs() + (last[1] - first[1]).abs() + 1 } else { 0 };
         Steps { cell: first, step: [sx, sy], next: [nx, ny], delta: [dx, dy], left }
     }
 }
@@ -188,6 +193,14 @@ mod tests {
             }
             prop_assert!(walked.iter().all(|&c| crosses(c, start, end, 1e-9)));
             prop_assert_eq!(walked.last().copied(), Some(end.map(|v: f64| v.floor() as i64)));
+        }
+    }
+
+    #[test]
+    fn a_segment_beyond_all_bounds_crosses_no_cell() {
+        for far in [1e10, 1e300, f64::INFINITY, f64::NAN] {
+            assert_eq!(Steps::new([far, -far], [-far, far]).count(), 0);
+            assert_eq!(Steps::new([0.5, 0.5], [far, 0.5]).count(), 0);
         }
     }
 

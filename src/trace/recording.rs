@@ -83,6 +83,7 @@ pub enum RecordingError {
 impl Arrival {
     /// Reads arrivals from CSV with the columns `place` and `raw_scan_index`; lines that start with # are left out.
     pub fn read_csv(text: &str) -> Result<Vec<Arrival>, RecordingError> {
+        let text = text.trim_start_matches('\u{feff}');
         let mut lines = text.lines().enumerate().filter(|(_, l)| !l.starts_with('#') && !l.trim().is_empty());
         let wrong =
             |line: usize, message: &str| RecordingError::Arrivals { line: line + 1, message: message.into() };
@@ -314,5 +315,11 @@ mod tests {
             let error = read(text).unwrap_err();
             assert!(error.starts_with(fault), "{error}");
         }
+    }
+
+    #[test]
+    fn arrivals_are_read_from_what_spreadsheets_write() {
+        let text = "\u{feff}place,raw_scan_index\r\n# a remark\r\nN,7\r\n";
+        assert_eq!(Arrival::read_csv(text), Ok(vec![Arrival { place: "N".into(), scan: 7 }]));
     }
 }

@@ -119,7 +119,9 @@ fn parse_config(bytes: &[u8]) -> Result<WireMapConfig, Problem> {
         // Serde would read a list as the fields in their order.
         return Err(malformed(EventError::new("", "a configuration is one JSON object")));
     }
-    serde_path_to_error::deserialize(value).map_err(|error| malformed(EventError::from(&error)))
+    // From the text: a value would have forgotten fields that are given twice.
+    let mut json = serde_json::Deserializer::from_slice(bytes);
+    serde_path_to_error::deserialize(&mut json).map_err(|error| malformed(EventError::from(&error)))
 }
 
 fn malformed(error: EventError) -> Problem {

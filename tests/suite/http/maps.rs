@@ -63,6 +63,7 @@ async fn a_wrong_configuration_is_refused_at_its_field() {
         (r#"{"max_candidates":0}"#, "/max_candidates"),
         (r#"{"max_candidates":18446744073709551615}"#, "/max_candidates"),
         (r#"{"max_candidates":-1}"#, "/max_candidates"),
+        (r#"{"profile":"paper","profile":"default"}"#, ""),
         ("[]", ""),
         ("null", ""),
     ];

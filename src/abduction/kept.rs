@@ -1,0 +1,102 @@
+//! The children of one observation, cut to a limit while they are made.
+
+use crate::abduction::Simplicity;
+use crate::abduction::children::Child;
+
+/// Children in the order in which they were made. Never many more than the limit are held at once: each is a map,
+/// and one observation may make hundreds from every candidate.
+pub(super) struct Kept {
+    limit: Option<usize>,
+    children: Vec<(u32, Child)>,
+    /// Of all children, cut ones among them, how many are new maps.
+    pub(super) made: u64,
+    cut: bool,
+}
+
+/// Twice as many children may gather under any limit, so that cuts stay rare.
+const SLACK: usize = 2048;
+
+impl Kept {
+    pub(super) fn new(limit: Option<usize>) -> Self {
+        Kept { limit, children: Vec::new(), made: 0, cut: false }
+    }
+
+    /// Adds the child of a candidate, which comes after all before it in the order of assignments.
+    pub(super) fn push(&mut self, parent: u32, child: Child) {
+        self.made += u64::from(child.made);
+        self.children.push((parent, child));
+        if self.limit.is_some_and(|limit| self.children.len() / 2 >= limit.max(SLACK)) {
+            self.cut_to_limit();
+        }
+    }
+
+    /// The simplest, and of equally simple ones the first, in their order, and whether any was cut.
+    pub(super) fn finish(mut self) -> (Vec<(u32, Child)>, bool) {
+        self.cut_to_limit();
+        (self.children, self.cut)
+    }
+
+    /// Cutting early changes nothing: what many simpler children push out stays out when more come.
+    fn cut_to_limit(&mut self) {
+        let Some(limit) = self.limit.filter(|&limit| self.children.len() > limit) else { return };
+        self.cut = true;
+        let simplicity = |(index, (_, child)): (usize, &(u32, Child))| (Simplicity::of(&child.map), index);
+        let mut ranked: Vec<(Simplicity, usize)> = self.children.iter().enumerate().map(simplicity).collect();
+        ranked.sort_unstable();
+        let mut keep = vec![false; self.children.len()];
+        ranked[..limit].iter().for_each(|&(_, index)| keep[index] = true);
+        let mut keep = keep.into_iter();
+        self.children.retain(|_| keep.next().unwrap_or(false));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::abduction::Assignment;
+    use crate::map::{PlaceId, TopologicalMap};
+    use crate::star::{ControlLaw, Direction, FragmentId, GatewayId, LargeScaleStar, Slot, SmallScaleStar};
+    use std::sync::Arc;
+
+    /// A star of so many fragments, so that a map of it has as many paths.
+    fn star(fragments: u32) -> LargeScaleStar {
+        let slot = |slot: u32| Slot {
+            fragment: FragmentId(slot / 2),
+            direction: if slot % 2 == 0 { Direction::Plus } else { Direction::Minus },
+            outward: Some(GatewayId(slot)),
+            inward: Some(GatewayId(slot ^ 1)),
+            control: ControlLaw::Midline,
+            bearing: None,
+            width: None,
+            margin: None,
+        };
+        SmallScaleStar::new((0..2 * fragments).map(slot).collect()).unwrap().large_scale()
+    }
+
+    #[test]
+    fn children_cut_while_they_are_made_are_those_cut_at_the_end() {
+        let maps = [3, 1, 2].map(|fragments| Arc::new(TopologicalMap::new(&star(fragments)).unwrap()));
+        let child = |k: u32| Child {
+            map: Arc::clone(&maps[(k * k) as usize % 3]),
+            assignment: Assignment { place: PlaceId::FIRST, rotation: 0 },
+            made: true,
+        };
+        let all = 0..20_000u32;
+        for limit in [1, 3, 5000, 15_000] {
+            let mut ranked: Vec<(Simplicity, u32)> =
+                all.clone().map(|k| (Simplicity::of(&child(k).map), k)).collect();
+            ranked.sort_unstable();
+            let mut expected: Vec<u32> = ranked[..limit].iter().map(|&(_, k)| k).collect();
+            expected.sort_unstable();
+            let mut kept = Kept::new(Some(limit));
+            for k in all.clone() {
+                kept.push(k, child(k));
+                assert!(kept.children.len() <= 2 * limit.max(SLACK));
+            }
+            assert_eq!(kept.made, 20_000);
+            let (children, cut) = kept.finish();
+            assert!(cut);
+            assert_eq!(children.iter().map(|(k, _)| *k).collect::<Vec<u32>>(), expected);
+        }
+    }
+}
