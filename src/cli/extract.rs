@@ -1,7 +1,8 @@
 //! `topostar extract`: gateways and star of one grid, or of every grid of a trace.
 
 use crate::cli::failure::Failure;
-use crate::cli::input::{open, plain_extension, read_events};
+use crate::cli::input::{Events, open, plain_extension, read_events};
+use crate::cli::metres;
 use crate::export::{Extraction, extraction_svg};
 use crate::geometry::Pose;
 use crate::grid::{Cell, GridInfo, OccupancyGrid};
@@ -29,10 +30,10 @@ pub(super) struct Extract {
     #[arg(long, value_name = "X,Y,THETA", value_parser = pose, allow_hyphen_values = true)]
     at: Option<Pose>,
     /// Side of a pixel of an image, metres; the image's bottom-left corner is the origin.
-    #[arg(long, default_value_t = 0.05)]
+    #[arg(long, default_value_t = 0.05, value_parser = metres)]
     resolution: f64,
     /// The narrowest way that counts as one, metres: 0.8 for office doors.
-    #[arg(long, value_name = "METRES")]
+    #[arg(long, value_name = "METRES", value_parser = metres)]
     passage_width: Option<f64>,
     /// The arrivals in a log: CSV with the columns place,raw_scan_index.
     #[arg(long, value_name = "CSV")]
@@ -45,15 +46,19 @@ pub(super) struct Extract {
     output: Option<PathBuf>,
 }
 
+/// The grids of an input up to its first fault.
+struct Grids {
+    lpms: Vec<Lpm>,
+    fault: Option<Failure>,
+}
+
 impl Extract {
     /// Prints one JSON object a grid; a grid that cannot be described gives an error only after the others.
     pub(super) fn run(self) -> Result<(), Failure> {
-        let lpms = self.lpms()?;
+        let Grids { lpms, fault } = self.grids()?;
         if self.svg.is_some() && lpms.len() != 1 {
-            return Err(Failure::Input(format!(
-                "--svg goes with one grid, {} are given; use -o DIR",
-                lpms.len()
-            )));
+            let many = format!("--svg goes with one grid, {} are given; use -o DIR", lpms.len());
+            return Err(Failure::Usage(many));
         }
         if let Some(folder) = &self.output {
             fs::create_dir_all(folder).map_err(|error| Failure::writing(folder, error))?;
@@ -69,7 +74,10 @@ impl Extract {
                 Err(error) => refused.push(format!("observation {number}: {error}")),
             }
         }
-        if refused.is_empty() { Ok(()) } else { Err(Failure::input(&self.input, refused.join("; "))) }
+        if !refused.is_empty() {
+            return Err(Failure::input(&self.input, refused.join("; ")));
+        }
+        fault.map_or(Ok(()), Err)
     }
 
     fn parameters(&self) -> PerceptionParameters {
@@ -89,21 +97,29 @@ impl Extract {
         Ok(())
     }
 
-    fn lpms(&self) -> Result<Vec<Lpm>, Failure> {
+    fn grids(&self) -> Result<Grids, Failure> {
         let grid = match plain_extension(&self.input).as_str() {
             "json" => self.json_grid()?,
             "png" | "pgm" => self.image_grid()?,
-            _ => return self.trace_lpms(),
+            _ if self.at.is_some() => {
+                return Err(Failure::Usage(
+                    "--at goes with one grid; a trace says where the robot is".into(),
+                ));
+            }
+            _ => return self.trace_grids(),
         };
+        if self.visits.is_some() {
+            return Err(Failure::Usage("--visits goes with a log, not with a grid".into()));
+        }
         let robot_pose = self.at.unwrap_or_else(|| middle(grid.info()));
-        Ok(vec![Lpm::new(grid, robot_pose)])
+        Ok(Grids { lpms: vec![Lpm::new(grid, robot_pose)], fault: None })
     }
 
-    fn trace_lpms(&self) -> Result<Vec<Lpm>, Failure> {
-        let events = read_events(&self.input, self.visits.as_deref())?;
+    fn trace_grids(&self) -> Result<Grids, Failure> {
+        let Events { events, fault } = read_events(&self.input, self.visits.as_deref())?;
         let mut lpms = Vec::new();
         let mut way = None;
-        for event in events {
+        for (_, event) in events {
             match event.kind {
                 EventKind::Travel(travel) => way = Some(travel),
                 EventKind::Observation(seen) => {
@@ -115,13 +131,11 @@ impl Extract {
                 EventKind::Turn(_) => {}
             }
         }
-        if lpms.is_empty() {
-            return Err(Failure::input(
-                &self.input,
-                "no observation with an lpm; a trace of bare stars has nothing to extract",
-            ));
+        if let (true, None) = (lpms.is_empty(), &fault) {
+            let none = "no observation with an lpm, expected grids: bare stars have nothing to extract";
+            return Err(Failure::input(&self.input, none));
         }
-        Ok(lpms)
+        Ok(Grids { lpms, fault })
     }
 
     fn json_grid(&self) -> Result<OccupancyGrid, Failure> {

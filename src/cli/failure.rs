@@ -10,6 +10,8 @@ use std::process::ExitCode;
 pub(super) enum Failure {
     /// Something that should work did not.
     Broken(String),
+    /// The options do not go together.
+    Usage(String),
     /// The input is malformed.
     Input(String),
     /// The axioms allow no map.
@@ -35,6 +37,7 @@ impl Failure {
     pub(super) fn report(self) -> ExitCode {
         let (message, code) = match self {
             Failure::Broken(message) => (message, 1),
+            Failure::Usage(message) => (message, 2),
             Failure::Input(message) => (message, 3),
             Failure::NoMap(message) => (message, 4),
             Failure::Limit(message) => (message, 5),

@@ -3,17 +3,30 @@
 use crate::cli::failure::Failure;
 use crate::sensor::CarmenLog;
 use crate::trace::recording::{Arrival, RecordingParameters, cut};
-use crate::trace::{Event, read_trace};
+use crate::trace::{Event, read_lines};
 use bzip2::read::MultiBzDecoder;
 use flate2::read::MultiGzDecoder;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader};
 use std::path::Path;
 
-/// The events of an input: a trace, or a CARMEN log with the arrivals in it.
-pub(super) fn read_events(input: &Path, visits: Option<&Path>) -> Result<Vec<Event>, Failure> {
+/// The events of an input up to its first fault.
+pub(super) struct Events {
+    /// Each with the words that say where it came from.
+    pub(super) events: Vec<(String, Event)>,
+    /// What ended the reading before the end of the input.
+    pub(super) fault: Option<Failure>,
+}
+
+/// The events of a trace, or of a CARMEN log with the arrivals in it.
+pub(super) fn read_events(input: &Path, visits: Option<&Path>) -> Result<Events, Failure> {
     match (is_log(input), visits) {
-        (true, Some(visits)) => read_log(input, visits),
+        (true, Some(visits)) => {
+            let numbered = read_log(input, visits)?.into_iter();
+            let events =
+                numbered.map(|event| (format!("event {} of the arrivals", event.seq), event)).collect();
+            Ok(Events { events, fault: None })
+        }
         (true, None) => Err(Failure::Input(format!(
             "{}: is a log, and places are not yet found in it by themselves; name the arrivals by --visits FILE.csv \
              with the columns place,raw_scan_index",
@@ -23,8 +36,9 @@ pub(super) fn read_events(input: &Path, visits: Option<&Path>) -> Result<Vec<Eve
             Err(Failure::Input(format!("{}: --visits goes with a log, not with a trace", input.display())))
         }
         (false, None) => {
-            let (events, error) = read_trace(open(input)?);
-            error.map_or(Ok(events), |error| Err(Failure::input(input, error)))
+            let (events, error) = read_lines(open(input)?);
+            let events = events.into_iter().map(|(line, event)| (format!("line {line}"), event)).collect();
+            Ok(Events { events, fault: error.map(|error| Failure::input(input, error)) })
         }
     }
 }

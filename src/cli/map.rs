@@ -2,9 +2,9 @@
 
 use crate::abduction::{AxiomSet, Profile, Report, StopReason};
 use crate::cli::failure::Failure;
-use crate::cli::input::read_events;
+use crate::cli::input::{Events, read_events};
 use crate::export::{self, MapGraph, map_svg, map_text};
-use crate::service::{Limits, MapConfig, Session};
+use crate::service::{Limits, MapConfig, Session, SessionError};
 use crate::trace::{Event, write_event};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -70,9 +70,9 @@ impl Map {
             StrategyName::BreadthFirst => {}
         }
         let started = Instant::now();
-        let events = read_events(&self.input, self.visits.as_deref())?;
+        let input = read_events(&self.input, self.visits.as_deref())?;
         let axioms = self.axioms.unwrap_or_else(|| AxiomSet::of(self.profile.into()));
-        let (events, report) = self.explain(events, axioms)?;
+        let Explained { events, report, fault } = self.explain(input, axioms);
         let mut wire = export::Report::new(&report, axioms);
         wire.seconds = Some(started.elapsed().as_secs_f64());
         if self.json {
@@ -83,26 +83,44 @@ impl Map {
         if let Some(folder) = &self.output {
             write_files(folder, &events, &report, &wire)?;
         }
-        verdict(&report)
+        fault.map_or_else(|| verdict(&report), Err)
     }
 
-    fn explain(&self, events: Vec<Event>, axioms: AxiomSet) -> Result<(Vec<Arc<Event>>, Report), Failure> {
+    fn explain(&self, input: Events, axioms: AxiomSet) -> Explained {
         let max_candidates = usize::try_from(self.max_candidates).unwrap_or(usize::MAX);
         // What one process reads for one user is bounded by the input itself.
         let limits = Limits { events_per_map: usize::MAX, cells_per_map: usize::MAX, ..Limits::default() };
         let mut session = Session::new(MapConfig { axioms, max_candidates }, limits);
-        let bar = progress(events.len());
-        let events: Vec<Arc<Event>> = events.into_iter().map(Arc::new).collect();
-        for event in &events {
-            session.accept(event).map_err(|error| {
-                Failure::Input(format!("{}: event {}: {error}", self.input.display(), event.seq))
-            })?;
+        let bar = progress(input.events.len());
+        let (mut events, mut fault) = (Vec::new(), input.fault);
+        for (place, event) in input.events {
+            let event = Arc::new(event);
+            if let Err(error) = session.accept(&event) {
+                fault = Some(Failure::input(&self.input, format!("{place}: {}", pointed(&error))));
+                break;
+            }
+            events.push(event);
             bar.inc(1);
             bar.set_message(format!("{} candidates", session.abduction().len()));
         }
         bar.finish_and_clear();
-        Ok((events, session.abduction().report()))
+        Explained { events, report: session.abduction().report(), fault }
     }
+}
+
+/// What is wrong, with the JSON pointer where there is one.
+fn pointed(error: &SessionError) -> String {
+    match error {
+        SessionError::Refused(refused) => refused.at().to_string(),
+        other => other.to_string(),
+    }
+}
+
+/// What was found in an input, up to its first fault.
+struct Explained {
+    events: Vec<Arc<Event>>,
+    report: Report,
+    fault: Option<Failure>,
 }
 
 impl From<ProfileName> for Profile {
@@ -132,7 +150,8 @@ fn in_words(report: &Report, wire: &export::Report) -> String {
     let refuted: Vec<String> =
         wire.refuted.iter().map(|(axiom, count)| format!(" {axiom} {count}")).collect();
     text += &refuted.join(",");
-    text += "\n\n";
+    text +=
+        if wire.complete { "\n\n" } else { "\nlower bounds from where --max-candidates cut the search\n\n" };
     let (Some(candidate), Some(preferred)) = (report.minimal.first(), &wire.preferred) else {
         return text + "no map\n";
     };

@@ -41,6 +41,14 @@ enum Verb {
     World(world::World),
 }
 
+/// A length given as an option.
+fn metres(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(length) if length.is_finite() && length > 0.0 => Ok(length),
+        _ => Err("expected metres, a number above 0".into()),
+    }
+}
+
 /// Runs the verb that the process was called with.
 pub fn run() -> ExitCode {
     let outcome = match Cli::parse().verb {

@@ -26,7 +26,7 @@ pub(super) struct Serve {
 impl Serve {
     pub(super) fn run(self) -> Result<(), Failure> {
         if !self.listen.ip().is_loopback() {
-            return Err(Failure::Broken(format!(
+            return Err(Failure::Usage(format!(
                 "{} is not a loopback address; the service has no authentication yet and listens on loopback only",
                 self.listen
             )));

@@ -1,6 +1,7 @@
 //! `topostar world`: the bundled worlds and the traces of walks through them.
 
 use crate::cli::failure::Failure;
+use crate::cli::metres;
 use crate::trace::write_trace;
 use crate::worlds::{self, lpm_trace, star_trace};
 use clap::Args;
@@ -29,7 +30,7 @@ pub(super) struct World {
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Side of a grid cell, metres.
-    #[arg(long, default_value_t = 0.05)]
+    #[arg(long, default_value_t = 0.05, value_parser = cell_side)]
     resolution: f64,
 }
 
@@ -57,6 +58,12 @@ impl World {
         write_trace(&mut out, &events)?;
         Ok(out.flush()?)
     }
+}
+
+/// Grids of 20 m on a side must stay within what a trace may hold.
+fn cell_side(text: &str) -> Result<f64, String> {
+    let side = metres(text)?;
+    if (0.01..=1.0).contains(&side) { Ok(side) } else { Err("expected 0.01 to 1 metres".into()) }
 }
 
 /// A bundled world by name.

@@ -31,8 +31,8 @@ pub struct Report {
     /// The `visits` of each candidate as simple as the preferred one, that one first.
     pub minimal: Vec<Vec<usize>>,
     /// How many different maps these are: where a robot came to a place by more than one story, two candidates
-    /// can be one map with its places numbered differently.
-    pub minimal_maps: usize,
+    /// can be one map with its places numbered differently. Null where there are too many to compare.
+    pub minimal_maps: Option<usize>,
     /// Why the search ended early; null if every candidate was followed to the last observation.
     pub stop_reason: Option<StopReason>,
     /// What refuted the last candidates; null unless no candidate is left.
@@ -127,7 +127,7 @@ impl Report {
             complete: found.complete,
             preferred: Preferred::of(found),
             minimal: found.minimal.iter().map(Candidate::places).collect(),
-            minimal_maps: found.minimal_maps(),
+            minimal_maps: minimal_maps(found),
             stop_reason: StopReason::of(found.stop_reason),
             extinction: found.extinction.as_ref().map(Extinction::of),
             seconds: None,
@@ -178,6 +178,15 @@ impl From<abduction::Count> for Count {
         };
         Count { value: count.value, relation }
     }
+}
+
+/// Steps that may be spent on comparing maps: a fraction of a second.
+const COMPARISONS: usize = 20_000_000;
+
+fn minimal_maps(found: &abduction::Report) -> Option<usize> {
+    let steps = |candidate: &Candidate| candidate.map.dstate_count().pow(2);
+    let cost = found.minimal.iter().map(steps).fold(0, usize::saturating_add);
+    (cost <= COMPARISONS).then(|| found.minimal_maps())
 }
 
 fn refuted(found: &abduction::Report, axioms: AxiomSet) -> BTreeMap<String, u64> {

@@ -97,7 +97,7 @@ pub enum StarError {
     #[error("fragment {0} has no gateway, expected one or two")]
     NoGateway(u32),
     /// A metric annotation that is not finite.
-    #[error("slot {0} has a bearing, width or margin that is not finite")]
+    #[error("slot {0} has a bearing, width or margin that is not finite, or a negative width or margin")]
     NotFinite(usize),
 }
 
@@ -195,7 +195,10 @@ fn check_gateways(slots: &[Slot], opposite: &[SlotIndex]) -> Result<(), StarErro
         if slot.inward.is_none() && slot.outward.is_none() {
             return Err(StarError::NoGateway(slot.fragment.0));
         }
-        if [slot.bearing, slot.width, slot.margin].into_iter().flatten().any(|v| !v.is_finite()) {
+        let sizes = [slot.width, slot.margin].into_iter().flatten();
+        if slot.bearing.is_some_and(|bearing| !bearing.is_finite())
+            || sizes.into_iter().any(|v| !(v >= 0.0 && v.is_finite()))
+        {
             return Err(StarError::NotFinite(index));
         }
     }

@@ -237,8 +237,9 @@ fn observe(
     if travel.is_some() && star.slot(arrival).is_none_or(|slot| slot.inward.is_none()) {
         return Err(ExperienceError::ArrivalNotInward(arrival.0));
     }
-    let heading = robot_pose.map(|pose: Pose| pose.theta).or_else(|| star.slot(arrival)?.bearing);
-    let here = Here { facing: Some((star.clone(), arrival)), heading };
+    // The frame of a bare star is the robot's pose on arrival.
+    let heading = robot_pose.unwrap_or(Pose::IDENTITY).theta;
+    let here = Here { facing: Some((star.clone(), arrival)), heading: Some(heading) };
     Ok((Phase::Place(here), Some(Sighting { star, arrival, departure })))
 }
 
@@ -271,7 +272,7 @@ mod tests {
     #[test]
     fn the_first_fault_names_line_and_pointer_and_keeps_what_came_before() {
         let first = format!(r#"{{"seq":0,"kind":"observation",{STAR},"dstate":0}}"#);
-        let cases: [(&str, &str); 8] = [
+        let cases: [(&str, &str); 10] = [
             (r#"{"seq":2,"kind":"travel"}"#, "line 2: /seq is 2, expected 1"),
             (r#"{"seq":1,"kind":"travel"}"#, "line 2: leaves by slot 0, which has no outward gateway"),
             (
@@ -285,6 +286,11 @@ mod tests {
                 "line 2: /odometry belongs to a travel",
             ),
             (r#"{"seq":1,"kind":"turn"}"#, "line 2: a turn needs to"),
+            (
+                r#"{"seq":1,"kind":"travel","odometry":[1,2,3]}"#,
+                "line 2: /odometry invalid type: sequence, expected an object",
+            ),
+            (r#"[1,"travel"]"#, "line 2: is no JSON object"),
             (r#"{"seq":1,"#, "line 2: "),
         ];
         for (line, expected) in cases {

@@ -8,6 +8,7 @@
 
 pub mod event;
 mod event_error;
+mod object;
 pub mod wire_star;
 pub mod wire_grid;
 pub mod wire;
@@ -19,4 +20,4 @@ pub mod recording;
 pub use event::{Event, EventKind, Observation, Percept, Stamp, Travel, Turn, TurnTarget};
 pub use event_error::EventError;
 pub use experience::{Experience, ExperienceError, Sighting};
-pub use ndjson::{TraceError, parse_event, read_trace, write_event, write_trace};
+pub use ndjson::{TraceError, parse_event, read_lines, read_trace, write_event, write_trace};

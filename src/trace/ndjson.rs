@@ -33,6 +33,9 @@ pub enum TraceError {
 
 /// The event written in one JSON text.
 pub fn parse_event(text: &str) -> Result<Event, EventError> {
+    if !text.trim_start().starts_with('{') {
+        return Err(EventError::new("", "is no JSON object, expected one event: {\"seq\":0,\"kind\":..."));
+    }
     let mut json = serde_json::Deserializer::from_str(text);
     let wire: WireEvent = serde_path_to_error::deserialize(&mut json).map_err(|e| EventError::from(&e))?;
     json.end().map_err(|e| {
@@ -51,34 +54,33 @@ pub fn event_from_value(value: serde_json::Value) -> Result<Event, EventError> {
 ///
 /// Gives the events before the first fault, and the fault. Blank lines are skipped.
 pub fn read_trace(input: impl BufRead) -> (Vec<Event>, Option<TraceError>) {
+    let (events, fault) = read_lines(input);
+    (events.into_iter().map(|(_, event)| event).collect(), fault)
+}
+
+/// The same with the number of each event's line, from 1.
+pub fn read_lines(mut input: impl BufRead) -> (Vec<(usize, Event)>, Option<TraceError>) {
     let mut events = Vec::new();
     let mut grammar = Experience::new();
-    let mut input = input;
     for line in 1.. {
-        let mut text = Vec::new();
-        let read = input.by_ref().take(MAX_LINE + 1).read_until(b'\n', &mut text);
-        let at = |error| Some(TraceError::Line { line, error });
-        match read {
+        match next_line(&mut input) {
             Err(source) => return (events, Some(TraceError::Read { line, source })),
-            Ok(0) => break,
-            Ok(n) if n as u64 > MAX_LINE => {
-                return (
-                    events,
-                    at(EventError::new(
-                        "",
-                        format!("is longer than {MAX_LINE} bytes, expected one event a line"),
-                    )),
-                );
-            }
-            Ok(_) => {}
-        }
-        match next_event(&text, &mut grammar) {
-            Ok(None) => {}
-            Ok(Some(event)) => events.push(event),
-            Err(error) => return (events, at(error)),
+            Ok(text) if text.is_empty() => break,
+            Ok(text) => match next_event(&text, line, &mut grammar) {
+                Ok(None) => {}
+                Ok(Some(event)) => events.push((line, event)),
+                Err(error) => return (events, Some(TraceError::Line { line, error })),
+            },
         }
     }
     (events, None)
+}
+
+/// A line with its end, cut one byte beyond the longest that may be; empty at the end of the input.
+fn next_line(input: &mut impl BufRead) -> io::Result<Vec<u8>> {
+    let mut text = Vec::new();
+    input.take(MAX_LINE + 1).read_until(b'\n', &mut text)?;
+    Ok(text)
 }
 
 /// One event as a line of NDJSON.
@@ -92,8 +94,14 @@ pub fn write_trace(mut output: impl Write, events: &[Event]) -> io::Result<()> {
     events.iter().try_for_each(|event| write_event(&mut output, event))
 }
 
-fn next_event(text: &[u8], grammar: &mut Experience) -> Result<Option<Event>, EventError> {
+fn next_event(text: &[u8], line: usize, grammar: &mut Experience) -> Result<Option<Event>, EventError> {
+    if text.len() as u64 > MAX_LINE {
+        let longer = format!("is longer than {MAX_LINE} bytes, expected one event a line");
+        return Err(EventError::new("", longer));
+    }
     let text = std::str::from_utf8(text).map_err(|e| EventError::new("", format!("is not UTF-8: {e}")))?;
+    // Some editors begin a file with a byte order mark.
+    let text = if line == 1 { text.trim_start_matches('\u{feff}') } else { text };
     if text.trim().is_empty() {
         return Ok(None);
     }

@@ -8,6 +8,7 @@ use crate::geometry::Pose;
 use crate::star::SlotIndex;
 use crate::trace::event::{Event, EventKind, Observation, Percept, Stamp, Travel, Turn, TurnTarget};
 use crate::trace::event_error::EventError;
+use crate::trace::object;
 use crate::trace::wire_grid::WireLpm;
 use crate::trace::wire_star::WireStar;
 use serde::{Deserialize, Serialize};
@@ -23,19 +24,19 @@ pub struct WireEvent {
     /// What happened.
     pub kind: WireKind,
     /// When it happened.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub stamp: Option<WireStamp>,
     /// observation: the star description, with `dstate`.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub star: Option<WireStar>,
     /// observation: the slot of `star` the robot is at after the event.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dstate: Option<u64>,
     /// observation: a local perceptual model in place of `star` and `dstate`.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub lpm: Option<WireLpm>,
     /// observation: the robot's pose in the frame of the observation on arrival.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub robot_pose: Option<WirePose>,
     /// turn: the slot of the latest star that the robot faces now.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -47,13 +48,13 @@ pub struct WireEvent {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angle: Option<f64>,
     /// travel: the displacement over the travel in the robot's frame at its start.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub odometry: Option<WirePose>,
     /// travel: covariance of the displacement, 9 numbers, row-major x, y, theta.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub covariance: Option<Vec<f64>>,
     /// travel: pose in the frame of the last observation when the travel started.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub from_pose: Option<WirePose>,
     /// travel: the way it went, points in the frame of `odometry`.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -4,6 +4,7 @@ use crate::geometry::Pose;
 use crate::grid::{Cell, GridInfo, OccupancyGrid};
 use crate::lpm::Lpm;
 use crate::trace::event_error::EventError;
+use crate::trace::object;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::{Deserialize, Serialize};
@@ -18,6 +19,7 @@ pub const MAX_POSTED_SIDE: u64 = 2048;
 #[serde(deny_unknown_fields)]
 pub struct WireLpm {
     /// Size, scale and place of the grid.
+    #[serde(deserialize_with = "object::one")]
     pub info: WireGridInfo,
     /// Cells as a list of numbers.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -43,7 +45,7 @@ pub struct WireGridInfo {
     /// Rows.
     pub height: u64,
     /// Pose of the bottom-left corner of cell (0, 0).
-    #[serde(default)]
+    #[serde(default, deserialize_with = "object::one")]
     pub origin: WireOrigin,
     /// Accepted from ROS and ignored.
     #[serde(default, skip_serializing)]
@@ -57,10 +59,10 @@ pub struct WireGridInfo {
 #[serde(deny_unknown_fields)]
 pub struct WireOrigin {
     /// ROS: where.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub position: Option<WirePosition>,
     /// ROS: which way; a unit quaternion about z.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub orientation: Option<WireQuaternion>,
     /// Short: metres.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -2,6 +2,7 @@
 
 use crate::star::{ControlLaw, Direction, FragmentId, GatewayId, Slot, SmallScaleStar};
 use crate::trace::event_error::EventError;
+use crate::trace::object;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -11,6 +12,7 @@ use utoipa::ToSchema;
 #[serde(deny_unknown_fields)]
 pub struct WireStar {
     /// The slots, clockwise.
+    #[serde(deserialize_with = "object::list")]
     pub slots: Vec<WireSlot>,
 }
 

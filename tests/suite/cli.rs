@@ -91,6 +91,50 @@ fn bad_input_ends_with_code_3_and_names_file_and_line() {
     assert!(text(&output.stderr).contains("worlds/no-such-trace.ndjson: cannot be opened"));
 }
 
+/// Nothing before a fault is lost.
+#[test]
+fn what_came_before_a_fault_is_still_mapped() {
+    let trace =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds/aces-stars.ndjson"))
+            .unwrap();
+    let mut lines: Vec<&str> = trace.lines().take(20).collect();
+    lines.push("{\"seq\":20");
+    let output = fed(&["map", "-", "--json"], lines.join("\n").as_bytes());
+    assert_eq!(output.status.code(), Some(3));
+    assert!(text(&output.stderr).contains("-: line 21: "), "{}", text(&output.stderr));
+    assert_eq!(json(&output)["candidates_per_observation"].as_array().unwrap().len(), 8);
+}
+
+/// What only a look into the grids can find is told with its line too.
+#[test]
+fn a_turn_that_faces_no_gateway_is_refused_at_its_line() {
+    let grids = text(&topostar(&["world", "ring3", "--resolution", "0.1"]).stdout);
+    let mut lines: Vec<String> = grids.lines().map(str::to_owned).collect();
+    let at = lines.iter().position(|line| line.contains("\"turn\"")).unwrap();
+    let mut turn: Value = serde_json::from_str(&lines[at]).unwrap();
+    turn["heading"] = (turn["heading"].as_f64().unwrap() + std::f64::consts::PI).into();
+    lines[at] = turn.to_string();
+    let output = fed(&["map", "-", "--json"], format!("\n{}", lines.join("\n")).as_bytes());
+    assert_eq!(output.status.code(), Some(3));
+    let expected = format!("-: line {}: faces ", at + 2);
+    assert!(text(&output.stderr).contains(&expected), "{}", text(&output.stderr));
+}
+
+#[test]
+fn options_that_make_no_sense_are_usage() {
+    let wrong: [&[&str]; 6] = [
+        &["world", "no-such-world"],
+        &["world", "office", "--resolution", "0"],
+        &["world", "office", "--resolution", "0.0001"],
+        &["extract", "lpm.json", "--passage-width", "nan"],
+        &["extract", "worlds/aces-stars.ndjson", "--at", "0,0,0"],
+        &["map", "worlds/aces-stars.ndjson", "--max-candidates", "0"],
+    ];
+    for arguments in wrong {
+        assert_eq!(topostar(arguments).status.code(), Some(2), "{arguments:?}");
+    }
+}
+
 #[test]
 fn usage_no_map_and_limit_have_codes_of_their_own() {
     assert_eq!(topostar(&["map"]).status.code(), Some(2));
@@ -156,6 +200,6 @@ fn a_place_is_extracted_as_json_and_as_a_picture() {
 #[test]
 fn only_loopback_is_served() {
     let output = topostar(&["serve", "--listen", "0.0.0.0:0"]);
-    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("not a loopback address"));
 }

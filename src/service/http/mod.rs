@@ -14,6 +14,7 @@ mod process;
 use crate::service::Maps;
 use axum::Router;
 use std::io;
+use std::time::Duration;
 use tokio::net::TcpListener;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -29,15 +30,57 @@ pub fn openapi() -> utoipa::openapi::OpenApi {
     document::with_problems(api().into_openapi())
 }
 
-/// Serves until the process is asked to end by ctrl-c, and finishes the requests under way.
+/// How long requests under way may take to finish once the process is asked to end.
+const GRACE: Duration = Duration::from_secs(5);
+
+/// Serves until the process is asked to end, and finishes the requests under way; one that takes longer than a few
+/// seconds, as its client has gone silent, is cut.
 pub async fn serve(listener: TcpListener, maps: Maps) -> io::Result<()> {
-    axum::serve(listener, app(maps)).with_graceful_shutdown(interrupted()).await
+    serve_until(listener, maps, interrupted()).await
 }
 
-/// Where the signal cannot be listened for, the service runs until it is killed.
+/// Serves until `end` is there.
+pub async fn serve_until(
+    listener: TcpListener,
+    maps: Maps,
+    end: impl Future<Output = ()> + Send + 'static,
+) -> io::Result<()> {
+    let (ended, cut) = tokio::sync::oneshot::channel();
+    let end = async move {
+        end.await;
+        // Fails if the server has ended already, and then there is nothing to cut.
+        let _ = ended.send(());
+    };
+    let late = async move {
+        if cut.await.is_err() {
+            std::future::pending::<()>().await;
+        }
+        tokio::time::sleep(GRACE).await;
+    };
+    tokio::select! {
+        outcome = axum::serve(listener, app(maps)).with_graceful_shutdown(end) => outcome,
+        () = late => Ok(()),
+    }
+}
+
+/// Ctrl-c, or what a supervisor sends. Where signals cannot be listened for, the service runs until it is killed.
 async fn interrupted() {
-    if tokio::signal::ctrl_c().await.is_err() {
+    let terminated = async {
+        #[cfg(unix)]
+        if let Ok(mut signal) = tokio::signal::unix::signal(tokio::signal::unix::SignalKind::terminate()) {
+            signal.recv().await;
+            return;
+        }
         std::future::pending::<()>().await;
+    };
+    let interrupted = async {
+        if tokio::signal::ctrl_c().await.is_err() {
+            std::future::pending::<()>().await;
+        }
+    };
+    tokio::select! {
+        () = terminated => {}
+        () = interrupted => {}
     }
 }
 
