@@ -62,7 +62,7 @@ mod tests {
     fn star(fragments: u32) -> LargeScaleStar {
         let slot = |slot: u32| Slot {
             fragment: FragmentId(slot / 2),
-            direction: if slot % 2 == 0 { Direction::Plus } else { Direction::Minus },
+            direction: if slot.is_multiple_of(2) { Direction::Plus } else { Direction::Minus },
             outward: Some(GatewayId(slot)),
             inward: Some(GatewayId(slot ^ 1)),
             control: ControlLaw::Midline,
