@@ -21,14 +21,14 @@ pub(crate) fn stories(abduction: &Abduction) -> Vec<Story> {
 }
 
 pub(crate) fn names(axioms: AxiomSet) -> Vec<&'static str> {
-    axioms.iter().map(|axiom| axiom.name).collect()
+    axioms.without_measured().iter().map(|axiom| axiom.name).collect()
 }
 
 /// Both profiles, and every axiom that can be switched alone off and alone on.
 pub(crate) fn axiom_sets() -> Vec<AxiomSet> {
     let mut sets = vec![AxiomSet::built_in()];
     sets.extend(Profile::ALL.map(AxiomSet::of));
-    for axiom in REGISTRY.iter().filter(|axiom| axiom.switchable) {
+    for axiom in REGISTRY.iter().filter(|axiom| axiom.switchable && !axiom.is_measured()) {
         sets.push(AxiomSet::built_in().with(axiom.id));
         sets.push(AxiomSet::of(Profile::Default).without(axiom.id).unwrap());
     }

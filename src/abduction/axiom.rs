@@ -1,6 +1,6 @@
-//! The registry of axioms.
+//! What an axiom is.
 
-use crate::abduction::Proposal;
+use crate::abduction::{Evidence, Proposal};
 
 /// A law that every candidate obeys.
 #[derive(Debug)]
@@ -18,7 +18,16 @@ pub struct Axiom {
     /// Whether a search may go without it. The others are what a map and a candidate are made of.
     pub switchable: bool,
     /// Whether a child of a candidate that obeys the law obeys it too.
-    pub holds: fn(&Proposal<'_>) -> bool,
+    pub check: Check,
+}
+
+/// How an axiom is checked.
+#[derive(Clone, Copy, Debug)]
+pub enum Check {
+    /// By the map alone.
+    Symbols(fn(&Proposal<'_>) -> bool),
+    /// By what was measured: [`Evidence`] judges. Without measurements the axiom holds of everything.
+    Measures,
 }
 
 /// The name of an axiom.
@@ -34,6 +43,14 @@ pub enum AxiomId {
     PathOrder,
     /// `planarity`
     Planarity,
+    /// `distance`
+    Distance,
+    /// `angle`
+    Angle,
+    /// `closure`
+    Closure,
+    /// `apart`
+    Apart,
 }
 
 /// A choice of axioms with a name.
@@ -41,86 +58,26 @@ pub enum AxiomId {
 pub enum Profile {
     /// The axioms of the seed.
     Paper,
-    /// With planarity.
+    /// With planarity, and the metrical axioms where the trace has measurements.
     Default,
 }
 
-const EVERY: &[Profile] = &[Profile::Paper, Profile::Default];
+/// The profiles whose traces are of stars.
+pub(super) const STAR_PROFILES: &[Profile] = &[Profile::Paper, Profile::Default];
 
-/// The axioms, in the order in which they judge: the first that does not hold is the one that refutes. Position
-/// is [`AxiomId`]'s order.
-pub static REGISTRY: [Axiom; 5] = [
-    Axiom {
-        id: AxiomId::Determinism,
-        name: "determinism",
-        statement: "The same travel leads from the same dstate to the same dstate: a gateway has one far end, \
-                    another gateway, and travelling back through that one returns.",
-        source: "seed, section 3.1; Remolina and Kuipers, IJCAI-01: causal schemas are deterministic",
-        profiles: EVERY,
-        switchable: false,
-        holds: |proposal| match proposal {
-            Proposal::Closure { branch, to } => branch.map().far_end(*to).is_none(),
-            Proposal::Known { .. } | Proposal::NewPlace { .. } => true,
-        },
-    },
-    Axiom {
-        id: AxiomId::StarMatch,
-        name: "star-match",
-        statement: "Two visits are to one place only under a rotation that lays one star onto the other with \
-                    order, pairing, control laws and navigability kept; a known path segment fixes the rotation.",
-        source: "seed, sections 4.3 and 4.4",
-        profiles: EVERY,
-        switchable: false,
-        holds: |proposal| !matches!(proposal, Proposal::Known { matches: false, .. }),
-    },
-    Axiom {
-        id: AxiomId::TravelMoves,
-        name: "travel-moves",
-        statement: "A travel leads to another place.",
-        source: "seed, section 4.1; Remolina and Kuipers, IJCAI-01: travel goes along a path to a later place",
-        profiles: EVERY,
-        switchable: true,
-        holds: |proposal| match proposal {
-            Proposal::Closure { branch, to } => to.place != branch.from().place,
-            Proposal::Known { .. } | Proposal::NewPlace { .. } => true,
-        },
-    },
-    Axiom {
-        id: AxiomId::PathOrder,
-        name: "path-order",
-        statement: "The places on a path are strictly ordered: no place is twice on a path, no path is closed, \
-                    and two path fragments of a place are never on one path.",
-        source: "seed, section 4.1; Remolina and Kuipers, IJCAI-01: order along a path",
-        profiles: EVERY,
-        switchable: true,
-        holds: |proposal| match proposal {
-            Proposal::Closure { branch, to } => branch.paths_apart(*to),
-            Proposal::Known { .. } | Proposal::NewPlace { .. } => true,
-        },
-    },
-    Axiom {
-        id: AxiomId::Planarity,
-        name: "planarity",
-        statement: "The rotation system of travelled path segments has genus 0.",
-        source: "Savelli and Kuipers, IROS 2004",
-        profiles: &[Profile::Default],
-        switchable: true,
-        holds: |proposal| match proposal {
-            Proposal::Closure { branch, to } => branch.one_face(*to),
-            Proposal::Known { .. } | Proposal::NewPlace { .. } => true,
-        },
-    },
-];
-
-impl AxiomId {
-    /// The axiom.
-    pub fn axiom(self) -> &'static Axiom {
-        &REGISTRY[self as usize]
+impl Axiom {
+    /// Whether the axiom holds of a child, given what was measured.
+    pub fn holds(&self, proposal: &Proposal<'_>, evidence: Option<&dyn Evidence>) -> bool {
+        match (self.check, evidence) {
+            (Check::Symbols(holds), _) => holds(proposal),
+            (Check::Measures, Some(evidence)) => evidence.holds(self.id, proposal),
+            (Check::Measures, None) => true,
+        }
     }
 
-    /// The axiom's name outside.
-    pub fn name(self) -> &'static str {
-        self.axiom().name
+    /// Whether the axiom speaks of measurements.
+    pub fn is_measured(&self) -> bool {
+        matches!(self.check, Check::Measures)
     }
 }
 

@@ -1,24 +1,37 @@
 //! What axioms judge: a child proposed for a candidate.
 
+use crate::abduction::Assignment;
 use crate::map::{DstateId, Face, PlaceSet, TopologicalMap, path_from_end};
 use std::cell::OnceCell;
+use std::fmt::Debug;
 
 /// A map and the gateway the robot left it by. What several proposals ask for is found once, when first asked for.
 #[derive(Debug)]
 pub struct Branch<'a> {
     map: &'a TopologicalMap,
     from: DstateId,
+    lineage: &'a dyn Lineage,
+    visits: OnceCell<Vec<Assignment>>,
     path: OnceCell<PlaceSet>,
     face: OnceCell<Face>,
 }
 
 /// What a child says of one travel. All that was before obeys the axioms.
 #[derive(Clone, Copy, Debug)]
-pub enum Proposal<'a> {
+pub struct Proposal<'a> {
+    /// The candidate, and the gateway left by.
+    pub branch: &'a Branch<'a>,
+    /// What the observation after the travel is taken for.
+    pub assignment: Assignment,
+    /// What that makes of the travel.
+    pub outcome: Outcome,
+}
+
+/// What a travel comes to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
     /// It went along a known path segment.
     Known {
-        /// The map and the gateway left by.
-        branch: &'a Branch<'a>,
         /// The gateway at the far end.
         to: DstateId,
         /// Whether the star observed lies on that of the place, under the rotation the gateway fixes.
@@ -26,21 +39,22 @@ pub enum Proposal<'a> {
     },
     /// It made a new path segment to a known place, whose star has this alignment with the one observed.
     Closure {
-        /// The map and the gateway left by, which has no far end.
-        branch: &'a Branch<'a>,
         /// The gateway at the far end, navigable and another one than that left by.
         to: DstateId,
     },
     /// It made a new path segment to a new place.
-    NewPlace {
-        /// The map and the gateway left by, which has no far end.
-        branch: &'a Branch<'a>,
-    },
+    NewPlace,
+}
+
+/// Where a candidate comes from.
+pub trait Lineage: Debug {
+    /// What each observation so far was taken for. Linear in the observations.
+    fn assignments(&self) -> Vec<Assignment>;
 }
 
 impl<'a> Branch<'a> {
-    pub(super) fn new(map: &'a TopologicalMap, from: DstateId) -> Self {
-        Branch { map, from, path: OnceCell::new(), face: OnceCell::new() }
+    pub(super) fn new(map: &'a TopologicalMap, from: DstateId, lineage: &'a dyn Lineage) -> Self {
+        Branch { map, from, lineage, visits: OnceCell::new(), path: OnceCell::new(), face: OnceCell::new() }
     }
 
     /// The map before the travel.
@@ -51,6 +65,11 @@ impl<'a> Branch<'a> {
     /// The gateway the robot left by.
     pub fn from(&self) -> DstateId {
         self.from
+    }
+
+    /// What each observation before the travel was taken for. Linear in the observations the first time.
+    pub fn visits(&self) -> &[Assignment] {
+        self.visits.get_or_init(|| self.lineage.assignments())
     }
 
     /// Whether the paths that end at `from` and at `to`, neither with a far end, have no place in common. Linear

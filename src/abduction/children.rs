@@ -1,7 +1,9 @@
 //! The children of a candidate: every way to explain one more observation.
 
 use crate::abduction::kept::Kept;
-use crate::abduction::{Assignment, AxiomId, AxiomSet, Branch, Proposal, Refutations, Visit};
+use crate::abduction::{
+    Assignment, AxiomId, AxiomSet, Branch, Evidence, Lineage, Outcome, Proposal, Refutations, Visit,
+};
 use crate::map::{DstateId, InternedStar, PlaceId, TopologicalMap};
 use crate::star::SlotIndex;
 use std::sync::Arc;
@@ -27,6 +29,7 @@ pub(super) struct Child {
 pub(super) struct Extension<'a> {
     pub(super) seen: &'a Seen,
     pub(super) axioms: AxiomSet,
+    pub(super) evidence: Option<&'a dyn Evidence>,
     pub(super) refuted: Refutations,
     pub(super) kept: Kept,
 }
@@ -60,11 +63,17 @@ impl Extension<'_> {
     /// Adds the children of the candidate numbered `parent`, which had come to its map's place `at`.
     ///
     /// Children are in the order of assignments. A travel over a known path segment has one at most; another one
-    /// branches over every alignment with every place, then a new place, which no axiom here speaks against.
-    pub(super) fn extend(&mut self, parent: u32, map: &Arc<TopologicalMap>, at: Assignment) {
+    /// branches over every alignment with every place, then a new place, which only measured axioms speak against.
+    pub(super) fn extend(
+        &mut self,
+        parent: u32,
+        map: &Arc<TopologicalMap>,
+        at: Assignment,
+        lineage: &dyn Lineage,
+    ) {
         let slot = turned(self.seen.departure, at.rotation, map.star(at.place).size());
         let from = DstateId { place: at.place, slot };
-        let branch = Branch::new(map, from);
+        let branch = Branch::new(map, from, lineage);
         match map.far_end(from) {
             Some(to) => self.follow(parent, map, &branch, to),
             None => {
@@ -77,8 +86,8 @@ impl Extension<'_> {
     fn follow(&mut self, parent: u32, map: &Arc<TopologicalMap>, branch: &Branch<'_>, to: DstateId) {
         let rotation = self.seen.rotation(to.slot);
         let matches = self.seen.alignments(map, to.place).contains(&rotation);
-        if self.admits(&Proposal::Known { branch, to, matches }) {
-            let assignment = Assignment { place: to.place, rotation };
+        let assignment = Assignment { place: to.place, rotation };
+        if self.admits(&Proposal { branch, assignment, outcome: Outcome::Known { to, matches } }) {
             self.kept.push(parent, Child { map: Arc::clone(map), assignment, made: false });
         }
     }
@@ -90,9 +99,10 @@ impl Extension<'_> {
         for place in map.places() {
             for &rotation in seen.alignments(map, place) {
                 let to = DstateId { place, slot: seen.gateway(rotation) };
-                if (to != branch.from() || refutable) && self.admits(&Proposal::Closure { branch, to }) {
+                let assignment = Assignment { place, rotation };
+                let closure = Proposal { branch, assignment, outcome: Outcome::Closure { to } };
+                if (to != branch.from() || refutable) && self.admits(&closure) {
                     let map = Arc::new(map.joined(branch.from(), to));
-                    let assignment = Assignment { place, rotation };
                     self.kept.push(parent, Child { map, assignment, made: true });
                 }
             }
@@ -103,17 +113,17 @@ impl Extension<'_> {
         let map = branch.map();
         // Some: a map has no more places than there were observations, and these have a limit.
         let Some(place) = map.next_place() else { return };
-        if self.admits(&Proposal::NewPlace { branch }) {
+        let assignment = Assignment { place, rotation: 0 };
+        if self.admits(&Proposal { branch, assignment, outcome: Outcome::NewPlace }) {
             let to = DstateId { place, slot: self.seen.gateway };
             let map = Arc::new(map.grown(branch.from(), &self.seen.star, to));
-            let assignment = Assignment { place, rotation: 0 };
             self.kept.push(parent, Child { map, assignment, made: true });
         }
     }
 
     /// Whether all axioms hold; otherwise the first that does not is counted.
     fn admits(&mut self, proposal: &Proposal<'_>) -> bool {
-        let broken = self.axioms.iter().find(|axiom| !(axiom.holds)(proposal));
+        let broken = self.axioms.iter().find(|axiom| !axiom.holds(proposal, self.evidence));
         if let Some(axiom) = broken {
             self.refuted.count(axiom.id);
         }

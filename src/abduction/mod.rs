@@ -10,9 +10,12 @@
 
 mod axiom;
 mod axiom_set;
+mod axioms;
 mod branch;
 mod candidate;
 mod children;
+mod clash;
+mod evidence;
 mod kept;
 mod preference;
 mod refutation;
@@ -21,10 +24,13 @@ mod search;
 mod tree;
 mod visit;
 
-pub use axiom::{Axiom, AxiomId, Profile, REGISTRY};
+pub use axiom::{Axiom, AxiomId, Check, Profile};
 pub use axiom_set::{AxiomError, AxiomSet};
-pub use branch::{Branch, Proposal};
+pub use axioms::REGISTRY;
+pub use branch::{Branch, Lineage, Outcome, Proposal};
 pub use candidate::{Assignment, Candidate};
+pub use clash::Clash;
+pub use evidence::Evidence;
 pub use preference::Simplicity;
 pub use refutation::Refutations;
 pub use report::{Count, Extinction, Relation, Report, StopReason};

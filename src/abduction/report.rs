@@ -1,6 +1,6 @@
 //! What an abduction has found.
 
-use crate::abduction::{AxiomId, Candidate, Refutations, Simplicity};
+use crate::abduction::{AxiomId, AxiomSet, Candidate, Refutations, Simplicity};
 use crate::map::CanonicalMap;
 use std::collections::BTreeSet;
 
@@ -26,6 +26,10 @@ pub struct Report {
     pub unique: bool,
     /// Whether no consistent map is known to be simpler than the minimal ones, or to tie with them unlisted.
     pub proven: bool,
+    /// The axioms asked for.
+    pub asked: AxiomSet,
+    /// The axioms in force: those asked for, without measured ones where nothing was measured.
+    pub in_force: AxiomSet,
     /// Whether every candidate there is was kept.
     pub complete: bool,
     /// Why the search ended.

@@ -5,7 +5,7 @@ use crate::abduction::children::{Child, Extension, Seen, turned};
 use crate::abduction::kept::Kept;
 use crate::abduction::tree::{Node, Tree};
 use crate::abduction::{
-    AxiomSet, Count, Extinction, Refutations, Report, Simplicity, StopReason, Visit, VisitError,
+    AxiomSet, Count, Evidence, Extinction, Refutations, Report, Simplicity, StopReason, Visit, VisitError,
 };
 use crate::map::{DstateId, PlaceId, StarTable, TopologicalMap};
 use std::sync::Arc;
@@ -21,6 +21,7 @@ pub struct Abduction {
     axioms: AxiomSet,
     limits: Limits,
     stars: Arc<StarTable>,
+    evidence: Option<Arc<dyn Evidence>>,
     last: Option<Visit>,
     tree: Tree,
     /// The maps of the tree's leaves.
@@ -44,6 +45,7 @@ impl Abduction {
             axioms,
             limits,
             stars: Arc::default(),
+            evidence: None,
             last: None,
             tree: Tree::default(),
             maps: Arc::default(),
@@ -53,19 +55,30 @@ impl Abduction {
         }
     }
 
-    /// The axioms it holds.
+    /// The axioms it holds. Those that speak of measurements count among them only where there are some.
     pub fn axioms(&self) -> AxiomSet {
-        self.axioms
+        if self.evidence.is_some() { self.axioms } else { self.axioms.without_measured() }
     }
 
     /// Extends the candidates by one observation. After an error all is as before.
     pub fn observe(&mut self, visit: &Visit) -> Result<(), VisitError> {
+        self.observe_measured(visit, None)
+    }
+
+    /// Extends the candidates by one observation, of which, as of all before it, this was measured. Once
+    /// measurements have been given, each later observation gives some. After an error all is as before.
+    pub fn observe_measured(
+        &mut self,
+        visit: &Visit,
+        evidence: Option<Arc<dyn Evidence>>,
+    ) -> Result<(), VisitError> {
         visit.check(self.last.as_ref().map(|visit| &visit.star))?;
         if self.tree.depth() == PlaceId::LIMIT {
             return Err(VisitError::TooMany);
         }
         let star = self.stars.intern(&visit.star).ok_or(VisitError::TooMany)?;
         self.stars = Arc::clone(&star.table);
+        self.evidence = evidence;
         match visit.departure {
             None => {
                 let child = Child {
@@ -137,6 +150,8 @@ impl Abduction {
             unique: complete && minimal.len() == 1,
             minimal,
             proven: complete,
+            asked: self.axioms,
+            in_force: self.axioms(),
             complete,
             stop_reason: self.stop_reason(),
             extinction: self.extinction(),
@@ -145,11 +160,14 @@ impl Abduction {
 
     fn extend(&mut self, seen: &Seen) {
         let kept = Kept::new(self.limits.max_candidates);
-        let mut extension = Extension { seen, axioms: self.axioms, refuted: Refutations::default(), kept };
+        let evidence = self.evidence.as_deref();
+        let mut extension =
+            Extension { seen, axioms: self.axioms(), evidence, refuted: Refutations::default(), kept };
         for (parent, (map, leaf)) in (0..).zip(self.maps.iter().zip(self.tree.leaves())) {
-            extension.extend(parent, map, leaf.assignment);
+            extension.extend(parent, map, leaf.assignment, &self.tree.leaf(parent as usize));
         }
-        self.keep(extension.kept, extension.refuted);
+        let Extension { kept, refuted, .. } = extension;
+        self.keep(kept, refuted);
     }
 
     fn keep(&mut self, kept: Kept, refuted: Refutations) {

@@ -1,6 +1,6 @@
 //! Where candidates come from: the assignments of all candidates, as a tree.
 
-use crate::abduction::Assignment;
+use crate::abduction::{Assignment, Lineage};
 use std::sync::Arc;
 
 /// One layer of nodes for each observation, each node with its parent in the layer before. Nodes without
@@ -18,7 +18,25 @@ pub(super) struct Node {
     pub(super) assignment: Assignment,
 }
 
+/// A leaf of a tree, by its position.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Leaf<'a> {
+    tree: &'a Tree,
+    index: usize,
+}
+
+impl Lineage for Leaf<'_> {
+    fn assignments(&self) -> Vec<Assignment> {
+        self.tree.assignments(self.index)
+    }
+}
+
 impl Tree {
+    /// The leaf at a position.
+    pub(super) fn leaf(&self, index: usize) -> Leaf<'_> {
+        Leaf { tree: self, index }
+    }
+
     /// The number of observations.
     pub(super) fn depth(&self) -> usize {
         self.layers.len()

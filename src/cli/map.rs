@@ -73,7 +73,7 @@ impl Map {
         let input = read_events(&self.input, self.visits.as_deref())?;
         let axioms = self.axioms.unwrap_or_else(|| AxiomSet::of(self.profile.into()));
         let Explained { events, report, fault } = self.explain(input, axioms);
-        let mut wire = export::Report::new(&report, axioms);
+        let mut wire = export::Report::new(&report);
         wire.seconds = Some(started.elapsed().as_secs_f64());
         if self.json {
             writeln!(stdout(), "{}", json(&wire)?)?;

@@ -109,8 +109,9 @@ pub struct Extinction {
 }
 
 impl Report {
-    /// The wire form of what an abduction with these axioms has found.
-    pub fn new(found: &abduction::Report, axioms: AxiomSet) -> Report {
+    /// The wire form of what an abduction has found.
+    pub fn new(found: &abduction::Report) -> Report {
+        let axioms = found.in_force;
         Report {
             version: 1,
             candidates: found.candidates.into(),
@@ -122,7 +123,7 @@ impl Report {
             maps_created: found.maps_created.value,
             refuted: refuted(found, axioms),
             strategy: Strategy::BreadthFirst,
-            profile: profile_name(axioms).into(),
+            profile: profile_name(found.asked).into(),
             axioms: axioms.iter().map(|axiom| axiom.name.into()).collect(),
             complete: found.complete,
             preferred: Preferred::of(found),

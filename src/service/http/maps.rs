@@ -31,8 +31,8 @@ pub(super) struct MapState {
 
 impl MapState {
     fn of(name: &MapName, view: &View) -> MapState {
-        let MapConfig { axioms, max_candidates } = view.config;
-        let report = Report::new(&view.report, axioms);
+        let max_candidates = view.config.max_candidates;
+        let report = Report::new(&view.report);
         MapState { map: name.to_string(), next_seq: view.next_seq, max_candidates, report }
     }
 }
