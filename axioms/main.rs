@@ -8,6 +8,7 @@ mod strategies;
 mod traces;
 
 mod golden;
+mod judge;
 mod perception;
 mod minimality;
 mod planarity;
