@@ -7,6 +7,7 @@ use crate::abduction::{
 };
 use crate::map::{DstateId, InternedStar, PlaceId, StarTable, TopologicalMap};
 use crate::star::SlotIndex;
+use std::borrow::Borrow;
 use std::sync::Arc;
 
 /// Where an assignment breaks an axiom first.
@@ -30,7 +31,7 @@ pub struct Refutation {
 /// assignments beyond the shorter of the two lists are not looked at. Without visits there is nothing to judge, and
 /// the answer is `Ok(None)`. Linear in visits times map, and what the evidence takes.
 pub fn judge(
-    visits: &[Visit],
+    visits: &[impl Borrow<Visit>],
     evidence: Option<&dyn Evidence>,
     axioms: AxiomSet,
     assignments: &[Assignment],
@@ -38,7 +39,7 @@ pub fn judge(
     let axioms = if evidence.is_some() { axioms } else { axioms.without_measured() };
     let mut stars = Arc::new(StarTable::default());
     let mut judged: Option<Judged> = None;
-    for (visit, &assignment) in visits.iter().zip(assignments) {
+    for (visit, &assignment) in visits.iter().map(Borrow::borrow).zip(assignments) {
         // None: a trace has no more different stars than a search takes.
         let Some(star) = stars.intern(&visit.star) else { break };
         stars = Arc::clone(&star.table);

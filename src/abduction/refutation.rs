@@ -10,6 +10,7 @@ use crate::abduction::{AxiomId, REGISTRY};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Refutations {
     counts: [u64; REGISTRY.len()],
+    operator: u64,
 }
 
 impl Refutations {
@@ -18,24 +19,34 @@ impl Refutations {
         self.counts[id as usize]
     }
 
+    /// How many the operator's word refuted, which is no axiom.
+    pub fn by_operator(&self) -> u64 {
+        self.operator
+    }
+
     /// All axioms that refuted a candidate, and how many each, in the order of the registry.
     pub fn iter(&self) -> impl Iterator<Item = (AxiomId, u64)> {
         REGISTRY.iter().map(|axiom| (axiom.id, self.by(axiom.id))).filter(|&(_, count)| count > 0)
     }
 
-    /// How many in all.
+    /// How many in all, by axioms and the operator's word.
     pub fn total(&self) -> u64 {
-        self.counts.iter().sum()
+        self.counts.iter().sum::<u64>() + self.operator
     }
 
     pub(super) fn count(&mut self, id: AxiomId) {
         self.counts[id as usize] += 1;
+    }
+
+    pub(super) fn count_operator(&mut self, count: u64) {
+        self.operator += count;
     }
 }
 
 impl std::iter::Sum for Refutations {
     fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
         all.fold(Refutations::default(), |mut sum, one| {
+            sum.operator += one.operator;
             sum.counts.iter_mut().zip(one.counts).for_each(|(total, count)| *total += count);
             sum
         })

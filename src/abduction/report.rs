@@ -1,6 +1,6 @@
 //! What an abduction has found.
 
-use crate::abduction::{AxiomId, AxiomSet, Candidate, Refutations, Simplicity};
+use crate::abduction::{Assertion, AxiomId, AxiomSet, Candidate, Refutations, Simplicity, Word};
 use crate::map::CanonicalMap;
 use std::collections::BTreeSet;
 
@@ -34,6 +34,8 @@ pub struct Report {
     pub complete: bool,
     /// Why the search ended.
     pub stop_reason: StopReason,
+    /// The operator's word in force.
+    pub word: Word,
     /// What refuted the last candidates, if none is left.
     pub extinction: Option<Extinction>,
 }
@@ -78,8 +80,11 @@ pub enum StopReason {
 pub struct Extinction {
     /// The observation that nothing explains.
     pub observation: usize,
-    /// The axioms that refuted the last candidates.
+    /// The axioms that refuted the last candidates; none if the operator's word did.
     pub axioms: Vec<AxiomId>,
+    /// The assertions that did, if the operator's word did: those that contradict each other, if some do, or else
+    /// all in force.
+    pub assertions: Vec<Assertion>,
 }
 
 impl Report {

@@ -5,7 +5,8 @@ use crate::abduction::children::{Child, Extension, Seen, turned};
 use crate::abduction::kept::Kept;
 use crate::abduction::tree::{Node, Tree};
 use crate::abduction::{
-    AxiomSet, Count, Evidence, Extinction, Refutations, Report, Simplicity, StopReason, Visit, VisitError,
+    Assertion, AxiomSet, Count, Evidence, Extinction, Refutations, Report, Simplicity, StopReason, Visit,
+    VisitError, Word, WordError,
 };
 use crate::map::{DstateId, PlaceId, StarTable, TopologicalMap};
 use std::sync::Arc;
@@ -22,7 +23,8 @@ pub struct Abduction {
     limits: Limits,
     stars: Arc<StarTable>,
     evidence: Option<Arc<dyn Evidence>>,
-    last: Option<Visit>,
+    visits: Vec<Arc<Visit>>,
+    word: Word,
     tree: Tree,
     /// The maps of the tree's leaves.
     maps: Arc<Vec<Arc<TopologicalMap>>>,
@@ -46,7 +48,8 @@ impl Abduction {
             limits,
             stars: Arc::default(),
             evidence: None,
-            last: None,
+            visits: Vec::new(),
+            word: Word::default(),
             tree: Tree::default(),
             maps: Arc::default(),
             maps_created: 0,
@@ -72,7 +75,7 @@ impl Abduction {
         visit: &Visit,
         evidence: Option<Arc<dyn Evidence>>,
     ) -> Result<(), VisitError> {
-        visit.check(self.last.as_ref().map(|visit| &visit.star))?;
+        visit.check(self.visits.last().map(|visit| &visit.star))?;
         if self.tree.depth() == PlaceId::LIMIT {
             return Err(VisitError::TooMany);
         }
@@ -92,8 +95,43 @@ impl Abduction {
             }
             Some(departure) => self.extend(&Seen::new(visit, departure, star)),
         }
-        self.last = Some(visit.clone());
+        self.visits.push(Arc::new(visit.clone()));
         Ok(())
+    }
+
+    /// Takes the operator's word: refutes, of the candidates of the latest observation, those that it does not
+    /// allow, and so all that would come of them. After an error all is as before. Linear in candidates and
+    /// observations.
+    pub fn assert(&mut self, assertion: Assertion) -> Result<(), WordError> {
+        self.word.check(&assertion, self.observations())?;
+        self.word.add(assertion);
+        let allowed = |leaf: usize| assertion.allows(&self.tree.assignments(leaf));
+        let keep: Vec<bool> = (0..self.len()).map(allowed).collect();
+        let refuted = keep.iter().filter(|&&keep| !keep).count();
+        if refuted > 0 {
+            self.tree.prune(&keep);
+            let kept = self.maps.iter().zip(&keep).filter(|&(_, &keep)| keep);
+            self.maps = Arc::new(kept.map(|(map, _)| Arc::clone(map)).collect());
+            if let Some(latest) = self.refuted.last_mut() {
+                latest.count_operator(refuted as u64);
+            }
+        }
+        Ok(())
+    }
+
+    /// What the operator said.
+    pub fn word(&self) -> &Word {
+        &self.word
+    }
+
+    /// What was observed.
+    pub fn visits(&self) -> &[Arc<Visit>] {
+        &self.visits
+    }
+
+    /// What was measured, if anything was.
+    pub fn evidence(&self) -> Option<&dyn Evidence> {
+        self.evidence.as_deref()
     }
 
     /// The number of observations.
@@ -113,7 +151,7 @@ impl Abduction {
 
     /// The candidate at a position in the order of assignments. Linear in the observations.
     pub fn candidate(&self, index: usize) -> Option<Candidate> {
-        let (map, leaf, last) = (self.maps.get(index)?, self.tree.leaves().get(index)?, self.last.as_ref()?);
+        let (map, leaf, last) = (self.maps.get(index)?, self.tree.leaves().get(index)?, self.visits.last()?);
         let Assignment { place, rotation } = leaf.assignment;
         let robot = DstateId { place, slot: turned(last.arrival, rotation, map.star(place).size()) };
         Some(Candidate { map: Arc::clone(map), visits: self.tree.assignments(index), robot })
@@ -154,6 +192,7 @@ impl Abduction {
             in_force: self.axioms(),
             complete,
             stop_reason: self.stop_reason(),
+            word: self.word.clone(),
             extinction: self.extinction(),
         }
     }
@@ -193,7 +232,15 @@ impl Abduction {
 
     fn extinction(&self) -> Option<Extinction> {
         let observation = self.tree.widths().position(|width| width == 0)?;
-        let axioms = self.refuted[observation].iter().map(|(id, _)| id).collect();
-        Some(Extinction { observation, axioms })
+        let refuted = &self.refuted[observation];
+        if refuted.by_operator() == 0 {
+            let axioms = refuted.iter().map(|(id, _)| id).collect();
+            return Some(Extinction { observation, axioms, assertions: Vec::new() });
+        }
+        // What the axioms left, the operator's word refuted.
+        let contradiction = self.word.contradiction();
+        let assertions =
+            if contradiction.is_empty() { self.word.assertions().to_vec() } else { contradiction };
+        Some(Extinction { observation, axioms: Vec::new(), assertions })
     }
 }

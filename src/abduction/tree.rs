@@ -57,6 +57,14 @@ impl Tree {
         self.layers.push(layer.into());
     }
 
+    /// Takes leaves out: those of which `keep`, in their order, says no.
+    pub(super) fn prune(&mut self, keep: &[bool]) {
+        if let Some(leaves) = self.layers.last_mut() {
+            let kept = leaves.iter().zip(keep).filter(|&(_, &keep)| keep);
+            *leaves = kept.map(|(leaf, _)| *leaf).collect();
+        }
+    }
+
     /// The assignments on the way to a leaf, first observation first.
     pub(super) fn assignments(&self, leaf: usize) -> Vec<Assignment> {
         let mut assignments = Vec::with_capacity(self.layers.len());
