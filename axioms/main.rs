@@ -14,3 +14,4 @@ mod minimality;
 mod planarity;
 mod search;
 mod topology;
+mod word;

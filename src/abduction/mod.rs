@@ -37,7 +37,7 @@ pub use evidence::Evidence;
 pub use judge::{Refutation, judge};
 pub use preference::Simplicity;
 pub use refutation::Refutations;
-pub use report::{Count, Extinction, Relation, Report, StopReason};
+pub use report::{Count, Extinction, OPERATOR, Relation, Report, StopReason};
 pub use revisable::Revisable;
 pub use search::{Abduction, Limits};
 pub use visit::{Visit, VisitError};

@@ -3,6 +3,10 @@
 use crate::abduction::{Assertion, AxiomId, AxiomSet, Candidate, Refutations, Simplicity, Word};
 use crate::map::CanonicalMap;
 use std::collections::BTreeSet;
+use std::fmt;
+
+/// The name, beside those of the axioms, under which the operator's word refutes.
+pub const OPERATOR: &str = "operator";
 
 /// The findings after some observations.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -94,6 +98,28 @@ impl Report {
         let maps: BTreeSet<CanonicalMap> =
             self.minimal.iter().map(|candidate| CanonicalMap::of(&candidate.map)).collect();
         maps.len()
+    }
+}
+
+impl Extinction {
+    /// What refuted the last candidates, by the names used outside: axioms, or `operator`.
+    pub fn names(&self) -> Vec<&'static str> {
+        match self.assertions.is_empty() {
+            true => self.axioms.iter().map(|axiom| axiom.name()).collect(),
+            false => vec![OPERATOR],
+        }
+    }
+}
+
+impl fmt::Display for Extinction {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names = self.names().join(", ");
+        write!(f, "observation {}; the last candidates were refuted by {names}", self.observation)?;
+        if !self.assertions.is_empty() {
+            let ids: Vec<String> = self.assertions.iter().map(|assertion| assertion.id.to_string()).collect();
+            write!(f, ": retract one of the asserts with seq {}", ids.join(", "))?;
+        }
+        Ok(())
     }
 }
 

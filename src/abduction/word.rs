@@ -135,7 +135,8 @@ mod tests {
     use super::*;
 
     fn word(said: &[(usize, usize, bool)]) -> Word {
-        let assertion = |(id, &(a, b, same)): (u64, &(usize, usize, bool))| Assertion { id, visits: [a, b], same };
+        let assertion =
+            |(id, &(a, b, same)): (u64, &(usize, usize, bool))| Assertion { id, visits: [a, b], same };
         Word { assertions: (0..).zip(said).map(assertion).collect() }
     }
 
@@ -144,7 +145,7 @@ mod tests {
         let named = |said: &[(usize, usize, bool)]| -> Vec<u64> {
             word(said).contradiction().iter().map(|assertion| assertion.id).collect()
         };
-        assert_eq!(named(&[(0, 8, true), (3, 8, true), (0, 4, false)]), []);
+        assert!(word(&[(0, 8, true), (3, 8, true), (0, 4, false)]).contradiction().is_empty());
         assert_eq!(named(&[(0, 8, true), (3, 7, true), (8, 0, false)]), [0, 2]);
         assert_eq!(named(&[(0, 3, false), (1, 2, true), (8, 0, true), (3, 8, true)]), [0, 2, 3]);
     }

@@ -128,7 +128,7 @@ impl Extract {
                         lpms.push(Lpm { trail, ..lpm });
                     }
                 }
-                EventKind::Turn(_) => {}
+                EventKind::Turn(_) | EventKind::Assert(_) | EventKind::Retract { .. } => {}
             }
         }
         if let (true, None) = (lpms.is_empty(), &fault) {

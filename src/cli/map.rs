@@ -229,12 +229,11 @@ fn verdict(report: &Report) -> Result<(), Failure> {
             "--max-candidates cut the search at observation {observation}: counts from there on are lower bounds"
         ))),
         StopReason::Inconsistent { observation } => {
-            let axioms = report.extinction.iter().flat_map(|end| &end.axioms).map(|axiom| axiom.name());
-            let axioms: Vec<&str> = axioms.collect();
-            Err(Failure::NoMap(format!(
-                "no consistent map: nothing explains observation {observation}; refuted by {}",
-                axioms.join(", ")
-            )))
+            let end = report
+                .extinction
+                .as_ref()
+                .map_or_else(|| format!("observation {observation}"), |end| end.to_string());
+            Err(Failure::NoMap(format!("no consistent map: nothing explains {end}")))
         }
     }
 }

@@ -18,4 +18,4 @@ pub use graph::{GraphDstate, GraphGateway, GraphPath, GraphPlace, GraphSegment, 
 pub use layout::Layout;
 pub use map_svg::map_svg;
 pub use map_text::{map_text, place_type};
-pub use report::{Count, Extinction, Preferred, Relation, Report, StopReason, Strategy, profile_name};
+pub use report::{Assertion, Count, Extinction, Preferred, Relation, Report, StopReason, Strategy, profile_name};

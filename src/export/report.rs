@@ -1,6 +1,6 @@
 //! The report of an abduction: the one stable object of `map --json`.
 
-use crate::abduction::{self, AxiomSet, Candidate, Profile};
+use crate::abduction::{self, AxiomSet, Candidate, OPERATOR, Profile};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use utoipa::ToSchema;
@@ -16,7 +16,8 @@ pub struct Report {
     pub candidates_per_observation: Vec<u64>,
     /// How many maps were made in the search; where `complete` is false, at least as many.
     pub maps_created: u64,
-    /// How many candidates each axiom refuted, by the name of the axiom; all axioms held are named.
+    /// How many candidates each axiom refuted, by the name of the axiom; all axioms held are named. Under
+    /// `operator`, how many the operator's word in force did.
     pub refuted: BTreeMap<String, u64>,
     /// How the candidates were searched.
     pub strategy: Strategy,
@@ -37,6 +38,8 @@ pub struct Report {
     pub stop_reason: Option<StopReason>,
     /// What refuted the last candidates; null unless no candidate is left.
     pub extinction: Option<Extinction>,
+    /// The operator's word in force, in the order in which it was said.
+    pub asserts: Vec<Assertion>,
     /// Wall time of the search; the command line fills it in.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,
@@ -104,8 +107,29 @@ pub enum StopReason {
 pub struct Extinction {
     /// The observation that nothing explains, counted from 0.
     pub observation: usize,
-    /// The axioms that refuted the last candidates.
+    /// The axioms that refuted the last candidates; `operator` if that was the operator's word.
     pub axioms: Vec<String>,
+    /// The `seq` of each assert of which one must be retracted to bring candidates back; left out if there is none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub asserts: Vec<u64>,
+}
+
+/// An operator's word on two visits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct Assertion {
+    /// The number of the event that said it, by which it is retracted.
+    pub seq: u64,
+    /// Two observations, counted from 0.
+    pub visits: [usize; 2],
+    /// Whether they are to one place.
+    pub same: bool,
+}
+
+impl Assertion {
+    /// The wire form.
+    pub fn of(assertion: &abduction::Assertion) -> Assertion {
+        Assertion { seq: assertion.id, visits: assertion.visits, same: assertion.same }
+    }
 }
 
 impl Report {
@@ -131,6 +155,7 @@ impl Report {
             minimal_maps: minimal_maps(found),
             stop_reason: StopReason::of(found.stop_reason),
             extinction: found.extinction.as_ref().map(Extinction::of),
+            asserts: found.word.assertions().iter().map(Assertion::of).collect(),
             seconds: None,
         }
     }
@@ -166,8 +191,9 @@ impl StopReason {
 impl Extinction {
     /// The wire form.
     pub fn of(extinction: &abduction::Extinction) -> Extinction {
-        let axioms = extinction.axioms.iter().map(|axiom| axiom.name().into()).collect();
-        Extinction { observation: extinction.observation, axioms }
+        let axioms = extinction.names().into_iter().map(Into::into).collect();
+        let asserts = extinction.assertions.iter().map(|assertion| assertion.id).collect();
+        Extinction { observation: extinction.observation, axioms, asserts }
     }
 }
 
@@ -192,7 +218,9 @@ fn minimal_maps(found: &abduction::Report) -> Option<usize> {
 
 fn refuted(found: &abduction::Report, axioms: AxiomSet) -> BTreeMap<String, u64> {
     let none = axioms.iter().map(|axiom| (axiom.name.to_owned(), 0));
-    none.chain(found.refuted.iter().map(|(axiom, count)| (axiom.name().to_owned(), count))).collect()
+    let axioms = found.refuted.iter().map(|(axiom, count)| (axiom.name().to_owned(), count));
+    let word = (!found.word.is_empty()).then(|| (OPERATOR.to_owned(), found.refuted.by_operator()));
+    none.chain(axioms).chain(word).collect()
 }
 
 /// The name of the profile that holds exactly these axioms, or `custom`.

@@ -183,12 +183,8 @@ impl Problem {
 
     /// The problem of a map that no candidate is left of.
     pub fn extinct(extinction: &Extinction) -> Problem {
-        let axioms: Vec<_> = extinction.axioms.iter().map(|axiom| axiom.name()).collect();
-        let detail = format!(
-            "nothing explains observation {}; the last candidates were refuted by {}",
-            extinction.observation,
-            axioms.join(", ")
-        );
+        let axioms = extinction.names();
+        let detail = format!("nothing explains {extinction}");
         Problem::new(ProblemKind::NoConsistentMap, detail).with(|document| {
             document.observation = Some(extinction.observation);
             document.axioms = Some(axioms);
@@ -230,7 +226,7 @@ impl From<SessionError> for Problem {
             SessionError::Conflict { .. } => Problem::new(ProblemKind::EventConflict, detail),
             SessionError::Full { .. } => Problem::new(ProblemKind::MapFull, detail),
             SessionError::Refused(error) => Problem::at(ProblemKind::MalformedEvent, error.at()),
-            SessionError::Visit(_) => Problem::at(ProblemKind::MalformedEvent, EventError::new("", detail)),
+            SessionError::Visit(_) | SessionError::Word(_) => Problem::at(ProblemKind::MalformedEvent, EventError::new("", detail)),
         }
     }
 }

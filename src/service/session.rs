@@ -3,12 +3,12 @@
 //! It takes events one by one. What it cannot take leaves it unchanged, what it has taken before it takes
 //! again without effect, and the same events always give the same state, however they arrived.
 
-use crate::abduction::{self, Abduction, Visit, VisitError};
+use crate::abduction::{self, Abduction, Assertion, Revisable, Visit, VisitError, WordError};
 use crate::lpm::Lpm;
 use crate::service::{Limits, MapConfig};
 use crate::star::PerceptionParameters;
 use crate::trace::perceive::perceive;
-use crate::trace::{Event, EventKind, Experience, ExperienceError, Percept, Sighting};
+use crate::trace::{Assert, Event, EventKind, Experience, ExperienceError, Percept, Sighting};
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -18,7 +18,7 @@ pub struct Session {
     config: MapConfig,
     limits: Limits,
     experience: Experience,
-    abduction: Abduction,
+    abduction: Revisable,
     events: Vec<Arc<Event>>,
     cells: usize,
 }
@@ -55,6 +55,9 @@ pub enum SessionError {
     /// The logic cannot take the observation.
     #[error(transparent)]
     Visit(#[from] VisitError),
+    /// The logic cannot take the operator's word.
+    #[error(transparent)]
+    Word(#[from] WordError),
     /// The map is full.
     #[error("the map holds the most {what} it may hold, {limit}; go on in a new map")]
     Full {
@@ -73,7 +76,7 @@ impl Session {
             config,
             limits,
             experience: Experience::new(),
-            abduction: Abduction::new(config.axioms, search),
+            abduction: Revisable::new(Abduction::new(config.axioms, search)),
             events: Vec::new(),
             cells: 0,
         }
@@ -97,8 +100,14 @@ impl Session {
         let cells = self.room_for(event)?;
         let mut experience = self.experience.clone();
         let describe = |lpm: &Lpm, first| perceive(lpm, first, &PerceptionParameters::default());
-        if let Some(sighting) = experience.accept(event, &describe)? {
-            self.abduction.observe(&Visit::from(&sighting))?;
+        let sighting = experience.accept(event, &describe)?;
+        match (&event.kind, sighting) {
+            (&EventKind::Assert(Assert { visits, same }), _) => {
+                self.abduction.assert(Assertion { id: event.seq, visits, same })?;
+            }
+            (&EventKind::Retract { assert }, _) => self.abduction.retract(assert)?,
+            (_, Some(sighting)) => self.abduction.observe(&Visit::from(&sighting), None)?,
+            (_, None) => {}
         }
         self.experience = experience;
         self.cells = cells;
@@ -148,7 +157,7 @@ fn cells(event: &Event) -> usize {
             Percept::Lpm(lpm) => lpm.grid.info().width * lpm.grid.info().height,
             Percept::Star { .. } => 0,
         },
-        EventKind::Turn(_) | EventKind::Travel(_) => 0,
+        EventKind::Turn(_) | EventKind::Travel(_) | EventKind::Assert(_) | EventKind::Retract { .. } => 0,
     }
 }
 

@@ -23,9 +23,10 @@ impl View {
         View::with_report(session, Arc::new(session.abduction().report()))
     }
 
-    /// What the session of this view shows now. Only an observation changes what is found.
+    /// What the session of this view shows now. Only an observation or an operator's word changes what is found.
     pub fn next(&self, session: &Session) -> View {
-        if session.abduction().observations() == self.abduction.observations() {
+        let (now, shown) = (session.abduction(), &self.abduction);
+        if now.observations() == shown.observations() && now.word() == shown.word() {
             return View::with_report(session, Arc::clone(&self.report));
         }
         View::of(session)

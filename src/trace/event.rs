@@ -33,6 +33,22 @@ pub enum EventKind {
     Turn(Turn),
     /// The robot left through a gateway and followed a path to the next place.
     Travel(Box<Travel>),
+    /// An operator said of two visits that they are, or are not, to one place. Comes anywhere after them.
+    Assert(Assert),
+    /// An operator took back what was said. Comes anywhere after that.
+    Retract {
+        /// The `seq` of the assertion.
+        assert: u64,
+    },
+}
+
+/// What an operator says of two visits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Assert {
+    /// The two observations, counted from 0: already made, and different.
+    pub visits: [usize; 2],
+    /// Whether their places are one.
+    pub same: bool,
 }
 
 /// What was seen at a place.

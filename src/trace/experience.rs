@@ -7,8 +7,9 @@
 use crate::geometry::{Pose, wrap_angle};
 use crate::lpm::Lpm;
 use crate::star::{SlotIndex, SmallScaleStar};
-use crate::trace::event::{Event, EventKind, Observation, Percept, Travel, Turn, TurnTarget};
+use crate::trace::event::{Assert, Event, EventKind, Observation, Percept, Travel, Turn, TurnTarget};
 use crate::trace::event_error::EventError;
+use std::collections::BTreeSet;
 use std::f64::consts::FRAC_PI_3;
 use thiserror::Error;
 
@@ -80,6 +81,29 @@ pub enum ExperienceError {
         "faces {0} rad in the frame of the latest observation, and no outward gateway lies within 1.05 rad of that"
     )]
     NoGatewayThere(String),
+    /// A word on an observation that was not made yet.
+    #[error(
+        "is {found}, but {observations} observations have been made; expected one of them, counted from 0"
+    )]
+    NotSeen {
+        /// Which of the two.
+        position: usize,
+        /// The observation given.
+        found: usize,
+        /// How many have been made.
+        observations: usize,
+    },
+    /// A word on one observation.
+    #[error("names observation {0} twice, expected two different ones")]
+    OneVisit(usize),
+    /// A word taken back that is not in force.
+    #[error("is {found}, expected the seq of an assert in force: {in_force}")]
+    NotInForce {
+        /// The number given.
+        found: u64,
+        /// Those that could be given.
+        in_force: String,
+    },
     /// The grid gave no star.
     #[error("gives no star: {0}")]
     NotDescribed(String),
@@ -94,6 +118,10 @@ impl ExperienceError {
             ExperienceError::ArrivalNotInward(_) => "/dstate",
             ExperienceError::TurnOutOfRange { .. } => "/to",
             ExperienceError::NotDescribed(_) => "/lpm",
+            ExperienceError::NotSeen { position: 0, .. } => "/visits/0",
+            ExperienceError::NotSeen { .. } => "/visits/1",
+            ExperienceError::OneVisit(_) => "/visits",
+            ExperienceError::NotInForce { .. } => "/assert",
             ExperienceError::TravelNotOutward(_)
             | ExperienceError::NoBearings
             | ExperienceError::NoGatewayThere(_) => "",
@@ -110,6 +138,9 @@ pub type Describe<'a> = &'a dyn Fn(&Lpm, bool) -> Result<Described, ExperienceEr
 pub struct Experience {
     next_seq: u64,
     phase: Phase,
+    observations: usize,
+    /// The `seq` of each assert in force.
+    asserts: BTreeSet<u64>,
 }
 
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -159,7 +190,31 @@ impl Experience {
         if event.seq != self.next_seq {
             return Err(ExperienceError::Sequence { expected: self.next_seq, found: event.seq });
         }
-        let (phase, sighting) = match (&event.kind, &self.phase) {
+        match &event.kind {
+            EventKind::Assert(assert) => {
+                self.check_assert(assert)?;
+                self.asserts.insert(event.seq);
+            }
+            EventKind::Retract { assert } => self.retract(*assert)?,
+            acted => {
+                let (phase, sighting) = self.next_phase(acted, describe)?;
+                self.phase = phase;
+                self.observations += usize::from(matches!(acted, EventKind::Observation(_)));
+                self.next_seq += 1;
+                return Ok(sighting);
+            }
+        }
+        self.next_seq += 1;
+        Ok(None)
+    }
+
+    /// Where what the robot saw or did leads.
+    fn next_phase(
+        &self,
+        kind: &EventKind,
+        describe: Option<Describe>,
+    ) -> Result<(Phase, Option<Sighting>), ExperienceError> {
+        Ok(match (kind, &self.phase) {
             (EventKind::Observation(seen), Phase::Start) => observe(seen, None, None, describe)?,
             (EventKind::Observation(seen), Phase::Travelling(departure, travel)) => {
                 observe(seen, *departure, Some(travel), describe)?
@@ -169,10 +224,29 @@ impl Experience {
                 (Phase::Travelling(here.departure()?, travel.clone()), None)
             }
             (found, phase) => return Err(out_of_order(found, phase)),
-        };
-        self.phase = phase;
-        self.next_seq += 1;
-        Ok(sighting)
+        })
+    }
+
+    fn check_assert(&self, assert: &Assert) -> Result<(), ExperienceError> {
+        let observations = self.observations;
+        let unseen = assert.visits.iter().position(|&visit| visit >= observations);
+        if let Some(position) = unseen {
+            let found = assert.visits[position];
+            return Err(ExperienceError::NotSeen { position, found, observations });
+        }
+        match assert.visits {
+            [a, b] if a == b => Err(ExperienceError::OneVisit(a)),
+            _ => Ok(()),
+        }
+    }
+
+    fn retract(&mut self, assert: u64) -> Result<(), ExperienceError> {
+        if self.asserts.remove(&assert) {
+            return Ok(());
+        }
+        let in_force: Vec<String> = self.asserts.iter().map(u64::to_string).collect();
+        let in_force = if in_force.is_empty() { "there is none".into() } else { in_force.join(", ") };
+        Err(ExperienceError::NotInForce { found: assert, in_force })
     }
 }
 
@@ -248,6 +322,9 @@ fn out_of_order(found: &EventKind, phase: &Phase) -> ExperienceError {
         EventKind::Observation(_) => "observation",
         EventKind::Turn(_) => "turn",
         EventKind::Travel(_) => "travel",
+        // These may come anywhere.
+        EventKind::Assert(_) => "assert",
+        EventKind::Retract { .. } => "retract",
     };
     let expected = match phase {
         Phase::Start => "an observation first",
@@ -272,7 +349,7 @@ mod tests {
     #[test]
     fn the_first_fault_names_line_and_pointer_and_keeps_what_came_before() {
         let first = format!(r#"{{"seq":0,"kind":"observation",{STAR},"dstate":0}}"#);
-        let cases: [(&str, &str); 10] = [
+        let cases: [(&str, &str); 18] = [
             (r#"{"seq":2,"kind":"travel"}"#, "line 2: /seq is 2, expected 1"),
             (r#"{"seq":1,"kind":"travel"}"#, "line 2: leaves by slot 0, which has no outward gateway"),
             (
@@ -283,13 +360,30 @@ mod tests {
             (r#"{"seq":1,"kind":"turn","to":1,"speed":3}"#, "line 2: /speed unknown field `speed`"),
             (
                 r#"{"seq":1,"kind":"turn","odometry":{"x":0,"y":0,"theta":0}}"#,
-                "line 2: /odometry belongs to a travel",
+                "line 2: /odometry belongs to events of kind travel",
             ),
             (r#"{"seq":1,"kind":"turn"}"#, "line 2: a turn needs to"),
             (
                 r#"{"seq":1,"kind":"travel","odometry":[1,2,3]}"#,
                 "line 2: /odometry invalid type: sequence, expected an object",
             ),
+            (
+                r#"{"seq":1,"kind":"assert","visits":[0,1],"same":true}"#,
+                "line 2: /visits/1 is 1, but 1 observations have been made",
+            ),
+            (
+                r#"{"seq":1,"kind":"assert","visits":[0,0],"same":true}"#,
+                "line 2: /visits names observation 0 twice",
+            ),
+            (r#"{"seq":1,"kind":"assert","visits":[0,-1],"same":true}"#, "line 2: /visits"),
+            (r#"{"seq":1,"kind":"assert","same":true}"#, "line 2: /visits is missing"),
+            (r#"{"seq":1,"kind":"assert","visits":[0,1]}"#, "line 2: /same is missing"),
+            (r#"{"seq":1,"kind":"retract"}"#, "line 2: /assert is missing"),
+            (
+                r#"{"seq":1,"kind":"retract","assert":0}"#,
+                "line 2: /assert is 0, expected the seq of an assert in force: there is none",
+            ),
+            (r#"{"seq":1,"kind":"turn","same":true}"#, "line 2: /same belongs to events of kind assert"),
             (r#"[1,"travel"]"#, "line 2: is no JSON object"),
             (r#"{"seq":1,"#, "line 2: "),
         ];

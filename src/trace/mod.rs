@@ -1,7 +1,8 @@
 //! The experience of a robot: alternating observations and actions, and its NDJSON form.
 //!
 //! A trace is append-only. Its events count up from 0 without gaps; an observation is followed by any number of
-//! turns and one travel, which ends at the next observation; a trace may stop anywhere. [`event`] holds the
+//! turns and one travel, which ends at the next observation; an operator's word may stand between any two events;
+//! a trace may stop anywhere. [`event`] holds the
 //! values, [`wire`] their JSON form with [`wire_star`] and [`wire_grid`], [`ndjson`] reads and writes lines, and
 //! [`recording`] cuts a log into a trace. [`experience`] checks the grammar and turns grids into stars
 //! ([`perceive`]), so that what leaves this module is what the logic needs.
@@ -17,7 +18,7 @@ pub mod perceive;
 pub mod ndjson;
 pub mod recording;
 
-pub use event::{Event, EventKind, Observation, Percept, Stamp, Travel, Turn, TurnTarget};
+pub use event::{Assert, Event, EventKind, Observation, Percept, Stamp, Travel, Turn, TurnTarget};
 pub use event_error::EventError;
 pub use experience::{Experience, ExperienceError, Sighting};
 pub use ndjson::{TraceError, parse_event, read_lines, read_trace, write_event, write_trace};

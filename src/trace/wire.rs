@@ -6,7 +6,7 @@
 
 use crate::geometry::Pose;
 use crate::star::SlotIndex;
-use crate::trace::event::{Event, EventKind, Observation, Percept, Stamp, Travel, Turn, TurnTarget};
+use crate::trace::event::{Assert, Event, EventKind, Observation, Percept, Stamp, Travel, Turn, TurnTarget};
 use crate::trace::event_error::EventError;
 use crate::trace::object;
 use crate::trace::wire_grid::WireLpm;
@@ -59,6 +59,15 @@ pub struct WireEvent {
     /// travel: the way it went, points in the frame of `odometry`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shape: Option<Vec<[f64; 2]>>,
+    /// assert: two observations, counted from 0, already made and different.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub visits: Option<[usize; 2]>,
+    /// assert: whether they are to one place.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub same: Option<bool>,
+    /// retract: the `seq` of the assert that is taken back.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub assert: Option<u64>,
 }
 
 /// The kinds of event.
@@ -72,6 +81,10 @@ pub enum WireKind {
     Turn,
     /// A travel along a path.
     Travel,
+    /// An operator's word: two visits are, or are not, to one place.
+    Assert,
+    /// An operator's word taken back.
+    Retract,
 }
 
 /// A time as ROS spells it.
@@ -110,6 +123,8 @@ impl WireEvent {
             WireKind::Observation => EventKind::Observation(Box::new(self.observation()?)),
             WireKind::Turn => EventKind::Turn(self.turn()?),
             WireKind::Travel => EventKind::Travel(Box::new(self.travel()?)),
+            WireKind::Assert => EventKind::Assert(self.assert()?),
+            WireKind::Retract => EventKind::Retract { assert: self.retract()? },
         };
         Ok(Event { seq, stamp, kind })
     }
@@ -122,6 +137,14 @@ impl WireEvent {
             EventKind::Observation(observation) => wire.put_observation(observation),
             EventKind::Turn(turn) => wire.put_turn(turn),
             EventKind::Travel(travel) => wire.put_travel(travel),
+            EventKind::Assert(Assert { visits, same }) => {
+                wire.kind = WireKind::Assert;
+                (wire.visits, wire.same) = (Some(*visits), Some(*same));
+            }
+            EventKind::Retract { assert } => {
+                wire.kind = WireKind::Retract;
+                wire.assert = Some(*assert);
+            }
         }
         wire
     }
@@ -142,11 +165,14 @@ impl WireEvent {
             covariance: None,
             from_pose: None,
             shape: None,
+            visits: None,
+            same: None,
+            assert: None,
         }
     }
 
     fn refuse_misplaced(&self) -> Result<(), EventError> {
-        use WireKind::{Observation, Travel, Turn};
+        use WireKind::{Assert, Observation, Retract, Travel, Turn};
         let fields = [
             ("star", self.star.is_some(), Observation),
             ("dstate", self.dstate.is_some(), Observation),
@@ -159,6 +185,9 @@ impl WireEvent {
             ("covariance", self.covariance.is_some(), Travel),
             ("from_pose", self.from_pose.is_some(), Travel),
             ("shape", self.shape.is_some(), Travel),
+            ("visits", self.visits.is_some(), Assert),
+            ("same", self.same.is_some(), Assert),
+            ("assert", self.assert.is_some(), Retract),
         ];
         let misplaced = fields.iter().find(|(_, given, kind)| *given && *kind != self.kind);
         misplaced.map_or(Ok(()), |(field, _, kind)| {
@@ -166,7 +195,7 @@ impl WireEvent {
                 (format!("{kind:?}").to_lowercase(), format!("{:?}", self.kind).to_lowercase());
             Err(EventError::new(
                 format!("/{field}"),
-                format!("belongs to a {kind}, but this event is a {here}; leave it out"),
+                format!("belongs to events of kind {kind}, but this one is of kind {here}; leave it out"),
             ))
         })
     }
@@ -236,6 +265,20 @@ impl WireEvent {
             from_pose: self.from_pose.map(WirePose::pose),
             shape: self.shape.unwrap_or_default(),
         })
+    }
+
+    fn assert(&self) -> Result<Assert, EventError> {
+        let missing =
+            |field: &str, expected: &str| EventError::new(field, format!("is missing, expected {expected}"));
+        let visits =
+            self.visits.ok_or_else(|| missing("/visits", "two observations, counted from 0: [0, 8]"))?;
+        let same = self.same.ok_or_else(|| missing("/same", "true or false"))?;
+        Ok(Assert { visits, same })
+    }
+
+    fn retract(&self) -> Result<u64, EventError> {
+        let missing = "is missing, expected the seq of the assert to take back";
+        self.assert.ok_or_else(|| EventError::new("/assert", missing))
     }
 
     fn put_observation(&mut self, observation: &Observation) {
