@@ -7,6 +7,7 @@ mod reference;
 mod strategies;
 mod traces;
 
+mod explanation;
 mod golden;
 mod judge;
 mod perception;

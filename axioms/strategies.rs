@@ -73,6 +73,11 @@ pub(crate) fn relist(visits: &[Visit], by: &[usize]) -> Vec<Visit> {
     visits.iter().enumerate().map(relist).collect()
 }
 
+/// A star that no strategy draws: it has more fragments than any of theirs.
+pub(crate) fn unheard_of() -> LargeScaleStar {
+    Star((0..10).map(|slot| ((slot + 5) % 10, ControlLaw::RightWall, true)).collect()).large_scale()
+}
+
 fn choices() -> impl Strategy<Value = Choices> {
     prop::collection::vec(any::<u16>(), 0..120).prop_map(|drawn| Choices { drawn: drawn.into_iter() })
 }

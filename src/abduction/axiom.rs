@@ -1,6 +1,6 @@
 //! What an axiom is.
 
-use crate::abduction::{Evidence, Proposal};
+use crate::abduction::{Clash, Evidence, Proposal};
 
 /// A law that every candidate obeys.
 #[derive(Debug)]
@@ -25,7 +25,12 @@ pub struct Axiom {
 #[derive(Clone, Copy, Debug)]
 pub enum Check {
     /// By the map alone.
-    Symbols(fn(&Proposal<'_>) -> bool),
+    Symbols {
+        /// Whether it holds of a child.
+        holds: fn(&Proposal<'_>) -> bool,
+        /// Why it does not hold of a child; asked for only where it does not.
+        clash: fn(&Proposal<'_>) -> Clash,
+    },
     /// By what was measured: [`Evidence`] judges. Without measurements the axiom holds of everything.
     Measures,
 }
@@ -69,9 +74,19 @@ impl Axiom {
     /// Whether the axiom holds of a child, given what was measured.
     pub fn holds(&self, proposal: &Proposal<'_>, evidence: Option<&dyn Evidence>) -> bool {
         match (self.check, evidence) {
-            (Check::Symbols(holds), _) => holds(proposal),
+            (Check::Symbols { holds, .. }, _) => holds(proposal),
             (Check::Measures, Some(evidence)) => evidence.holds(self.id, proposal),
             (Check::Measures, None) => true,
+        }
+    }
+
+    /// Why the axiom does not hold of a child, given what was measured; asked for only where it does not.
+    pub fn clash(&self, proposal: &Proposal<'_>, evidence: Option<&dyn Evidence>) -> Clash {
+        match (self.check, evidence) {
+            (Check::Symbols { clash, .. }, _) => clash(proposal),
+            (Check::Measures, Some(evidence)) => evidence.clash(self.id, proposal),
+            // Unreached: without measurements it holds.
+            (Check::Measures, None) => Clash { words: self.statement.into(), ..Clash::default() },
         }
     }
 

@@ -1,7 +1,8 @@
 //! What axioms judge: a child proposed for a candidate.
 
 use crate::abduction::Assignment;
-use crate::map::{DstateId, Face, PlaceSet, TopologicalMap, path_from_end};
+use crate::map::{DstateId, Face, PlaceId, PlaceSet, TopologicalMap, path_from_end};
+use crate::star::LargeScaleStar;
 use std::cell::OnceCell;
 use std::fmt::Debug;
 
@@ -10,6 +11,7 @@ use std::fmt::Debug;
 pub struct Branch<'a> {
     map: &'a TopologicalMap,
     from: DstateId,
+    seen: &'a LargeScaleStar,
     lineage: &'a dyn Lineage,
     visits: OnceCell<Vec<Assignment>>,
     path: OnceCell<PlaceSet>,
@@ -53,8 +55,21 @@ pub trait Lineage: Debug {
 }
 
 impl<'a> Branch<'a> {
-    pub(super) fn new(map: &'a TopologicalMap, from: DstateId, lineage: &'a dyn Lineage) -> Self {
-        Branch { map, from, lineage, visits: OnceCell::new(), path: OnceCell::new(), face: OnceCell::new() }
+    pub(super) fn new(
+        map: &'a TopologicalMap,
+        from: DstateId,
+        seen: &'a LargeScaleStar,
+        lineage: &'a dyn Lineage,
+    ) -> Self {
+        Branch {
+            map,
+            from,
+            seen,
+            lineage,
+            visits: OnceCell::new(),
+            path: OnceCell::new(),
+            face: OnceCell::new(),
+        }
     }
 
     /// The map before the travel.
@@ -67,9 +82,21 @@ impl<'a> Branch<'a> {
         self.from
     }
 
+    /// The star observed after the travel, as listed then.
+    pub fn seen(&self) -> &'a LargeScaleStar {
+        self.seen
+    }
+
     /// What each observation before the travel was taken for. Linear in the observations the first time.
     pub fn visits(&self) -> &[Assignment] {
         self.visits.get_or_init(|| self.lineage.assignments())
+    }
+
+    /// The observation after the travel, and those before it that are of some places, ascending.
+    pub fn observations_of(&self, places: &[PlaceId]) -> Vec<usize> {
+        let visits = self.visits();
+        let of = (0..visits.len()).filter(|&visit| places.contains(&visits[visit].place));
+        of.chain([visits.len()]).collect()
     }
 
     /// Whether the paths that end at `from` and at `to`, neither with a far end, have no place in common. Linear

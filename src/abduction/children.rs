@@ -73,7 +73,7 @@ impl Extension<'_> {
     ) {
         let slot = turned(self.seen.departure, at.rotation, map.star(at.place).size());
         let from = DstateId { place: at.place, slot };
-        let branch = Branch::new(map, from, lineage);
+        let branch = Branch::new(map, from, self.seen.star.star(), lineage);
         match map.far_end(from) {
             Some(to) => self.follow(parent, map, &branch, to),
             None => {

@@ -36,21 +36,85 @@ pub fn judge(
     axioms: AxiomSet,
     assignments: &[Assignment],
 ) -> Result<Option<Candidate>, Refutation> {
-    let axioms = if evidence.is_some() { axioms } else { axioms.without_measured() };
-    let mut stars = Arc::new(StarTable::default());
-    let mut judged: Option<Judged> = None;
-    for (visit, &assignment) in visits.iter().map(Borrow::borrow).zip(assignments) {
-        // None: a trace has no more different stars than a search takes.
-        let Some(star) = stars.intern(&visit.star) else { break };
-        stars = Arc::clone(&star.table);
-        judged = Some(match (judged, visit.departure) {
-            (Some(before), Some(departure)) => {
-                before.with(&Step { visit, departure, star, assignment, axioms, evidence })?
-            }
-            _ => Judged::first(visit, &star, assignment)?,
-        });
-    }
+    let laws = Laws::of(evidence, axioms);
+    let judged = laws.beginning(visits, assignments)?.map(|(judged, _)| judged);
     Ok(judged.map(|Judged { map, visits, robot }| Candidate { map, visits, robot }))
+}
+
+/// The children that a search proposes for the candidate that a beginning of assignments makes, when it comes to the
+/// next of the visits; each with what refutes it, in the order in which the search makes them.
+///
+/// Law: as many are refuted by each axiom as the search counts for the candidate. None without a next visit, nor
+/// after an empty beginning. An error says what refutes the beginning itself.
+pub fn proposed(
+    visits: &[impl Borrow<Visit>],
+    evidence: Option<&dyn Evidence>,
+    axioms: AxiomSet,
+    beginning: &[Assignment],
+) -> Result<Vec<Proposed>, Refutation> {
+    let laws = Laws::of(evidence, axioms);
+    let (Some((judged, stars)), Some(visit)) =
+        (laws.beginning(visits, beginning)?, visits.get(beginning.len()).map(Borrow::borrow))
+    else {
+        return Ok(Vec::new());
+    };
+    let (Some(departure), Some(star)) = (visit.departure, stars.intern(&visit.star)) else {
+        return Ok(Vec::new());
+    };
+    let assignment = Assignment { place: PlaceId::FIRST, rotation: 0 };
+    let step = Step { visit, departure, star, assignment, laws };
+    let judge = |assignment| {
+        let refutation = judged.check(&Step { assignment, star: step.star.clone(), ..step }).err();
+        Proposed { assignment, refutation }
+    };
+    Ok(judged.assignments(&step).into_iter().map(judge).collect())
+}
+
+/// A child that a search proposes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Proposed {
+    /// What it takes the observation for.
+    pub assignment: Assignment,
+    /// What refutes it, if an axiom does.
+    pub refutation: Option<Refutation>,
+}
+
+/// What is judged by.
+#[derive(Clone, Copy)]
+struct Laws<'a> {
+    axioms: AxiomSet,
+    evidence: Option<&'a dyn Evidence>,
+}
+
+impl<'a> Laws<'a> {
+    fn of(evidence: Option<&'a dyn Evidence>, axioms: AxiomSet) -> Laws<'a> {
+        let axioms = if evidence.is_some() { axioms } else { axioms.without_measured() };
+        Laws { axioms, evidence }
+    }
+
+    /// The candidate that assignments make of the first visits, and the stars of these.
+    fn beginning(
+        self,
+        visits: &[impl Borrow<Visit>],
+        assignments: &[Assignment],
+    ) -> Result<Option<(Judged, Arc<StarTable>)>, Refutation> {
+        let mut judged: Option<(Judged, Arc<StarTable>)> = None;
+        for (visit, &assignment) in visits.iter().map(Borrow::borrow).zip(assignments) {
+            let (before, stars) =
+                judged.map_or_else(Default::default, |(judged, stars)| (Some(judged), stars));
+            // None: a trace has no more different stars than a search takes.
+            let Some(star) = stars.intern(&visit.star) else { return Ok(None) };
+            let stars = Arc::clone(&star.table);
+            let now = match (before, visit.departure) {
+                (Some(before), Some(departure)) => {
+                    before.with(&Step { visit, departure, star, assignment, laws: self })?
+                }
+                _ => Judged::first(visit, &star, assignment)?,
+            };
+            judged = Some((now, stars));
+        }
+        Ok(judged)
+    }
 }
 
 /// A candidate so far.
@@ -66,8 +130,7 @@ struct Step<'a> {
     departure: SlotIndex,
     star: InternedStar,
     assignment: Assignment,
-    axioms: AxiomSet,
-    evidence: Option<&'a dyn Evidence>,
+    laws: Laws<'a>,
 }
 
 /// The assignments of one candidate, at hand.
@@ -90,20 +153,50 @@ impl Judged {
     }
 
     fn with(mut self, step: &Step<'_>) -> Result<Judged, Refutation> {
-        let lineage = Known(&self.visits);
-        // The first observation has been judged, so that there is a last one.
-        let at = self.visits.last().copied().unwrap_or(step.assignment);
-        let slot = turned(step.departure, at.rotation, self.map.star(at.place).size());
-        let branch = Branch::new(&self.map, DstateId { place: at.place, slot }, &lineage);
-        let proposal = step.proposal(&branch, self.visits.len())?;
-        step.check(&proposal)?;
-        if let Some(map) = step.map(&proposal) {
+        if let Some(map) = self.check(step)? {
             self.map = Arc::new(map);
         }
         let Assignment { place, rotation } = step.assignment;
         self.robot = DstateId { place, slot: turned(step.visit.arrival, rotation, step.size()) };
         self.visits.push(step.assignment);
         Ok(self)
+    }
+
+    /// The new map, if one is made, or what refutes the step.
+    fn check(&self, step: &Step<'_>) -> Result<Option<TopologicalMap>, Refutation> {
+        let lineage = Known(&self.visits);
+        let branch = Branch::new(&self.map, self.left_by(step), step.star.star(), &lineage);
+        let proposal = step.proposal(&branch, self.visits.len())?;
+        step.check(&proposal)?;
+        Ok(step.map(&proposal))
+    }
+
+    /// What a search proposes to take the observation for.
+    fn assignments(&self, step: &Step<'_>) -> Vec<Assignment> {
+        let (map, from) = (&self.map, self.left_by(step));
+        if let Some(to) = map.far_end(from) {
+            return vec![Assignment { place: to.place, rotation: step.rotation(to.slot) }];
+        }
+        // A path segment has two ends; what says that the robot stayed is for `travel-moves` to refute.
+        let refutable = step.laws.axioms.contains(AxiomId::TravelMoves);
+        let of_place = |place| {
+            let alignments = map.star(place).alignments(step.star.star()).into_iter();
+            alignments.map(move |rotation| Assignment { place, rotation })
+        };
+        let known = map
+            .places()
+            .flat_map(of_place)
+            .filter(|&assignment| refutable || step.far_end(assignment) != from);
+        let new = map.next_place().map(|place| Assignment { place, rotation: 0 });
+        known.chain(new).collect()
+    }
+
+    /// The gateway left by.
+    fn left_by(&self, step: &Step<'_>) -> DstateId {
+        // The first observation has been judged, so that there is a last one.
+        let at = self.visits.last().copied().unwrap_or(step.assignment);
+        let slot = turned(step.departure, at.rotation, self.map.star(at.place).size());
+        DstateId { place: at.place, slot }
     }
 }
 
@@ -121,6 +214,11 @@ impl Step<'_> {
     fn rotation(&self, to: SlotIndex) -> u8 {
         let size = self.size();
         turned(to, (size - self.gateway().0 as usize) as u8, size).0
+    }
+
+    /// The gateway passed on arrival, as an assignment lays it.
+    fn far_end(&self, Assignment { place, rotation }: Assignment) -> DstateId {
+        DstateId { place, slot: turned(self.gateway(), rotation, self.size()) }
     }
 
     /// What the assignment makes of the travel, if a search would propose it.
@@ -144,12 +242,7 @@ impl Step<'_> {
             return refused("places are numbered by first visit");
         }
         match self.lies_on(map) {
-            true => proposal(Outcome::Closure {
-                to: DstateId {
-                    place: assignment.place,
-                    slot: turned(self.gateway(), assignment.rotation, self.size()),
-                },
-            }),
+            true => proposal(Outcome::Closure { to: self.far_end(assignment) }),
             false => refused("the star observed does not lie on that of the place under this rotation"),
         }
     }
@@ -162,7 +255,7 @@ impl Step<'_> {
 
     /// The first axiom that does not hold.
     fn check(&self, proposal: &Proposal<'_>) -> Result<(), Refutation> {
-        match self.axioms.iter().find(|axiom| !axiom.holds(proposal, self.evidence)) {
+        match self.laws.axioms.iter().find(|axiom| !axiom.holds(proposal, self.laws.evidence)) {
             Some(axiom) => Err(self.refutation(axiom, proposal)),
             None if proposal.outcome == (Outcome::Closure { to: proposal.branch.from() }) => {
                 let words = "a path segment has two ends";
@@ -174,15 +267,7 @@ impl Step<'_> {
 
     fn refutation(&self, axiom: &Axiom, proposal: &Proposal<'_>) -> Refutation {
         let observation = proposal.branch.visits().len();
-        let clash = match self.evidence {
-            Some(evidence) if axiom.is_measured() => evidence.clash(axiom.id, proposal),
-            _ => Clash {
-                observations: vec![observation],
-                places: vec![proposal.branch.from().place, proposal.assignment.place],
-                segments: Vec::new(),
-                words: axiom.statement.into(),
-            },
-        };
+        let clash = axiom.clash(proposal, self.laws.evidence);
         Refutation { observation, axiom: axiom.id, clash }
     }
 
@@ -192,10 +277,7 @@ impl Step<'_> {
         match proposal.outcome {
             Outcome::Known { .. } => None,
             Outcome::Closure { to } => Some(map.joined(from, to)),
-            Outcome::NewPlace => {
-                let to = DstateId { place: self.assignment.place, slot: self.gateway() };
-                Some(map.grown(from, &self.star, to))
-            }
+            Outcome::NewPlace => Some(map.grown(from, &self.star, self.far_end(self.assignment))),
         }
     }
 }

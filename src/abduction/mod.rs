@@ -34,7 +34,7 @@ pub use branch::{Branch, Lineage, Outcome, Proposal};
 pub use candidate::{Assignment, Candidate};
 pub use clash::Clash;
 pub use evidence::Evidence;
-pub use judge::{Refutation, judge};
+pub use judge::{Proposed, Refutation, judge, proposed};
 pub use preference::Simplicity;
 pub use refutation::Refutations;
 pub use report::{Count, Extinction, OPERATOR, Relation, Report, StopReason};

@@ -149,6 +149,11 @@ impl Abduction {
         self.maps.is_empty()
     }
 
+    /// Whether every candidate there is was kept.
+    pub fn is_complete(&self) -> bool {
+        self.first_cut.is_none()
+    }
+
     /// The candidate at a position in the order of assignments. Linear in the observations.
     pub fn candidate(&self, index: usize) -> Option<Candidate> {
         let (map, leaf, last) = (self.maps.get(index)?, self.tree.leaves().get(index)?, self.visits.last()?);

@@ -73,6 +73,11 @@ impl Word {
         self.assertions.iter().all(|assertion| assertion.allows(assignments))
     }
 
+    /// The assertions that do not allow the assignments of a candidate, or of the beginning of one.
+    pub fn broken_by(&self, assignments: &[Assignment]) -> Vec<Assertion> {
+        self.assertions.iter().filter(|assertion| !assertion.allows(assignments)).copied().collect()
+    }
+
     /// Assertions that no assignment at all can obey together: one that two visits differ, and those that make
     /// them one. Empty if there are none. The first in the order in which they were said, by the shortest chain.
     pub fn contradiction(&self) -> Vec<Assertion> {

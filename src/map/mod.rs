@@ -19,4 +19,4 @@ pub use topological::{MapError, Segment, TopologicalMap};
 
 pub(crate) use place_set::PlaceSet;
 pub(crate) use star_table::{InternedStar, StarId, StarTable};
-pub(crate) use trail::{Face, path_from_end};
+pub(crate) use trail::{Face, face_segments, path_from_end};

@@ -38,6 +38,16 @@ impl Face {
     }
 }
 
+/// The path segments around the face that holds `corner`, a dstate without far end, the lower end first; one that
+/// has the face on both sides comes twice.
+pub(crate) fn face_segments(map: &TopologicalMap, corner: DstateId) -> impl Iterator<Item = [DstateId; 2]> {
+    let crossed = |at: DstateId| map.far_end(map.clockwise(at)).map(|far| (map.clockwise(at), far));
+    let step = move |&at: &DstateId| Some(crossed(at).map_or_else(|| map.clockwise(at), |(_, far)| far));
+    let walk = iter::successors(Some(corner), step).enumerate();
+    walk.take_while(move |&(steps, at)| steps == 0 || at != corner)
+        .filter_map(move |(_, at)| crossed(at).map(|(near, far)| [near.min(far), near.max(far)]))
+}
+
 /// The places of the path that ends at `end`, a dstate without far end, from there on. A place is named as often
 /// as the path passes it.
 pub(crate) fn path_from_end(map: &TopologicalMap, end: DstateId) -> impl Iterator<Item = PlaceId> {

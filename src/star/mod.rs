@@ -14,7 +14,7 @@ mod description;
 
 pub use description::{DescribeError, FragmentTrace, PerceptionParameters, PlaceDescription, describe};
 pub use fragments::FragmentParameters;
-pub use large_scale::{LargeScaleStar, LargeSlot};
+pub use large_scale::{LargeScaleStar, LargeSlot, StarDifference};
 pub use small_scale::{
     ControlLaw, Direction, FragmentId, GatewayId, MAX_SLOTS, Slot, SlotIndex, SmallScaleStar, StarError,
 };

@@ -19,8 +19,15 @@ const MATRIX: &[(&str, &[&str])] = &[
     ("worlds", &["geometry", "grid", "lpm", "star", "trace"]),
     ("map", &["star"]),
     ("abduction", &["star", "map"]),
-    ("export", &["geometry", "grid", "lpm", "gateway", "star", "trace", "worlds", "map", "abduction"]),
-    ("service", &["geometry", "grid", "lpm", "gateway", "star", "trace", "map", "abduction", "export"]),
+    ("explanation", &["star", "map", "abduction"]),
+    (
+        "export",
+        &["geometry", "grid", "lpm", "gateway", "star", "trace", "worlds", "map", "abduction", "explanation"],
+    ),
+    (
+        "service",
+        &["geometry", "grid", "lpm", "gateway", "star", "trace", "map", "abduction", "explanation", "export"],
+    ),
     (
         "cli",
         &[
@@ -34,6 +41,7 @@ const MATRIX: &[(&str, &[&str])] = &[
             "worlds",
             "map",
             "abduction",
+            "explanation",
             "export",
             "service",
         ],
@@ -41,7 +49,7 @@ const MATRIX: &[(&str, &[&str])] = &[
 ];
 
 /// Modules that know neither wire types, nor clocks, files, environment or global state.
-const CORE: &[&str] = &["geometry", "grid", "lpm", "gateway", "star", "map", "abduction"];
+const CORE: &[&str] = &["geometry", "grid", "lpm", "gateway", "star", "map", "abduction", "explanation"];
 const NOT_IN_CORE: &[&str] = &[
     "serde",
     "utoipa",
@@ -59,7 +67,7 @@ const NOT_IN_CORE: &[&str] = &[
 ];
 
 /// Modules in which metres have no place.
-const SYMBOLS_ONLY: &[&str] = &["map", "abduction"];
+const SYMBOLS_ONLY: &[&str] = &["map", "abduction", "explanation"];
 const NOT_IN_SYMBOLS: &[&str] = &["f64", "f32", "nalgebra", "parry"];
 
 #[test]

@@ -1,0 +1,192 @@
+//! Why two visits are one place in a candidate, or are not, and what the rivals say.
+
+use crate::abduction::{Abduction, Assignment, Candidate, Count, Proposed, Relation, Simplicity, judge};
+use crate::explanation::travels::{StepKind, Travelled, first_visit, travels};
+use crate::map::{DstateId, PlaceId};
+use crate::star::StarDifference;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What a candidate, and what all candidates, say of two visits.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Together {
+    /// The two observations, ascending.
+    pub visits: [usize; 2],
+    /// What the candidate says, and why.
+    pub opinion: Opinion,
+    /// In how many candidates they are one place.
+    pub together: Count,
+    /// In how many they are not.
+    pub apart: Count,
+    /// The simplest candidate that says otherwise, of equally simple ones the first.
+    pub rival: Option<Rival>,
+    /// The positions of the minimal candidates that say otherwise.
+    pub minimal_rivals: Vec<usize>,
+}
+
+/// What a candidate says of two visits.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Opinion {
+    /// They are one place.
+    One {
+        /// The place.
+        place: PlaceId,
+        /// Why, in the order of observations. They suffice: in every candidate that makes the same closures, with the
+        /// same alignments to the first visits, the two are one place.
+        reasons: Vec<Reason>,
+    },
+    /// They are not.
+    Two {
+        /// The places.
+        places: [PlaceId; 2],
+        /// What the later visit would be as one to the other's place, under each alignment of the stars, with what
+        /// refutes that where it is made.
+        alternatives: Vec<Proposed>,
+        /// How the stars differ, if they have no alignment.
+        difference: Option<StarDifference>,
+    },
+}
+
+/// A reason why an observation is of a known place.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Reason {
+    /// The robot came from the unknown, and the candidate takes what it saw for that place.
+    Closure {
+        /// The observation.
+        observation: usize,
+        /// The gateway left by.
+        from: DstateId,
+        /// The gateway at the far end.
+        to: DstateId,
+        /// The first visit to the place.
+        first: usize,
+        /// The rotations under which the star seen lies on that of the place, of which the candidate takes one.
+        alignments: Vec<u8>,
+    },
+    /// The robot went along a known path segment.
+    Known {
+        /// The observation.
+        observation: usize,
+        /// The gateway left by.
+        from: DstateId,
+        /// The gateway at the far end.
+        to: DstateId,
+        /// The observation at the end of the first travel along it.
+        since: usize,
+    },
+}
+
+/// A candidate that says otherwise.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Rival {
+    /// Its position.
+    pub candidate: usize,
+    /// How simple it is: what the alternative costs.
+    pub simplicity: Simplicity,
+}
+
+/// What the candidate at a position, and all others, say of two different visits; none if there are no such visits or
+/// no such candidate. Linear in candidates times observations; reasons quadratic in the observations.
+pub fn together(abduction: &Abduction, candidate: usize, visits: [usize; 2]) -> Option<Together> {
+    let own = abduction.candidate(candidate)?;
+    let [a, b] = [visits[0].min(visits[1]), visits[0].max(visits[1])];
+    if a == b || b >= own.visits.len() {
+        return None;
+    }
+    let is_one = |candidate: &Candidate| candidate.visits[a].place == candidate.visits[b].place;
+    let one = is_one(&own);
+    let mut counts = [0; 2];
+    let mut rival: Option<Rival> = None;
+    for (index, other) in abduction.candidates().enumerate() {
+        counts[usize::from(is_one(&other))] += 1;
+        let simplicity = other.simplicity();
+        if is_one(&other) != one && rival.as_ref().is_none_or(|rival| simplicity < rival.simplicity) {
+            rival = Some(Rival { candidate: index, simplicity });
+        }
+    }
+    let says_otherwise =
+        |&index: &usize| abduction.candidate(index).is_some_and(|other| is_one(&other) != one);
+    let opinion = if one { one_place(abduction, &own, [a, b]) } else { two_places(abduction, &own, [a, b]) };
+    Some(Together {
+        visits: [a, b],
+        opinion,
+        together: counted(abduction, counts[1]),
+        apart: counted(abduction, counts[0]),
+        rival,
+        minimal_rivals: abduction.minimal().into_iter().filter(says_otherwise).collect(),
+    })
+}
+
+/// The observations at which a candidate came from the unknown to a known place, each with the first visit to it.
+pub fn closures(abduction: &Abduction, candidate: &Candidate) -> Vec<[usize; 2]> {
+    let closed = |travel: &Travelled| travel.kind == StepKind::Closure;
+    let closures = travels(abduction.visits(), candidate).into_iter().filter(closed);
+    closures
+        .filter_map(|travel| Some([first_visit(&candidate.visits, travel.to.place)?, travel.observation]))
+        .collect()
+}
+
+/// A number of candidates kept, exact unless the search was cut.
+pub(super) fn counted(abduction: &Abduction, value: u64) -> Count {
+    let relation = if abduction.is_complete() { Relation::Equal } else { Relation::AtLeast };
+    Count { value, relation }
+}
+
+/// Each pair of visits that has to be one place leads to pairs whose later visit is earlier, until only closures are
+/// left: the place come to by a known path segment is the one first come to by it, if the places left are one too.
+fn one_place(abduction: &Abduction, own: &Candidate, visits: [usize; 2]) -> Opinion {
+    let travels = travels(abduction.visits(), own);
+    let mut reasons: BTreeMap<usize, Reason> = BTreeMap::new();
+    let mut open = vec![visits];
+    let mut asked: BTreeSet<[usize; 2]> = BTreeSet::new();
+    while let Some([a, b]) = open.pop() {
+        if a == b || !asked.insert([a, b]) {
+            continue;
+        }
+        // The later of two visits to one place was come to by a travel.
+        let travel = travels[b - 1];
+        let mut ask = |x: usize, y: usize| open.push([x.min(y), x.max(y)]);
+        let reason = match travel.kind {
+            StepKind::Known { since } if travels[since - 1].from == travel.from => {
+                ask(since - 1, b - 1);
+                ask(since, a);
+                known(&travel, since)
+            }
+            StepKind::Known { since } => {
+                ask(since, b - 1);
+                ask(since - 1, a);
+                known(&travel, since)
+            }
+            StepKind::Closure | StepKind::NewPlace => {
+                let first = first_visit(&own.visits, travel.to.place).unwrap_or(a);
+                ask(first, a);
+                closure(abduction, own, &travel, first)
+            }
+        };
+        reasons.insert(b, reason);
+    }
+    Opinion::One { place: own.visits[visits[0]].place, reasons: reasons.into_values().collect() }
+}
+
+fn known(travel: &Travelled, since: usize) -> Reason {
+    Reason::Known { observation: travel.observation, from: travel.from, to: travel.to, since }
+}
+
+fn closure(abduction: &Abduction, own: &Candidate, travel: &Travelled, first: usize) -> Reason {
+    let &Travelled { observation, from, to, .. } = travel;
+    let alignments = own.map.star(to.place).alignments(&abduction.visits()[observation].star);
+    Reason::Closure { observation, from, to, first, alignments }
+}
+
+fn two_places(abduction: &Abduction, own: &Candidate, [a, b]: [usize; 2]) -> Opinion {
+    let [place, other] = [a, b].map(|visit| own.visits[visit].place);
+    let (star, seen) = (own.map.star(place), &abduction.visits()[b].star);
+    let alternative = |rotation| {
+        let assignment = Assignment { place, rotation };
+        let whole = [&own.visits[..b], &[assignment]].concat();
+        let judged = judge(abduction.visits(), abduction.evidence(), abduction.axioms(), &whole);
+        Proposed { assignment, refutation: judged.err() }
+    };
+    let alternatives: Vec<Proposed> = star.alignments(seen).into_iter().map(alternative).collect();
+    let difference = if alternatives.is_empty() { star.difference(seen, 0) } else { None };
+    Opinion::Two { places: [place, other], alternatives, difference }
+}
