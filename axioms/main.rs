@@ -7,6 +7,7 @@ mod reference;
 mod strategies;
 mod traces;
 
+mod boundary;
 mod golden;
 mod perception;
 mod minimality;

@@ -43,6 +43,8 @@ pub enum AxiomId {
     PathOrder,
     /// `planarity`
     Planarity,
+    /// `boundary`
+    Boundary,
     /// `distance`
     Distance,
     /// `angle`
