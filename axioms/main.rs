@@ -9,6 +9,7 @@ mod traces;
 
 mod boundary;
 mod golden;
+mod grid_walks;
 mod perception;
 mod minimality;
 mod planarity;

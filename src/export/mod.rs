@@ -14,7 +14,9 @@ mod map_text;
 
 pub use extraction::Extraction;
 pub use extraction_svg::extraction_svg;
-pub use graph::{GraphDstate, GraphGateway, GraphPath, GraphPlace, GraphSegment, MapGraph};
+pub use graph::{
+    GraphBeside, GraphCrossing, GraphDstate, GraphGateway, GraphPath, GraphPlace, GraphRegions, GraphSegment, MapGraph,
+};
 pub use layout::Layout;
 pub use map_svg::map_svg;
 pub use map_text::{map_text, place_type};
