@@ -48,7 +48,8 @@ fn settled(map: &TopologicalMap, regions: &Regions) -> bool {
         .collect();
     regions.iter().all(|path| {
         let believed = |side: &[Beside]| -> BTreeSet<usize> {
-            let counts = |it: &&Beside| it.evidence.iter().any(|by| !abnormal.contains(&(path.path, by.carrier)));
+            let counts =
+                |it: &&Beside| it.evidence.iter().any(|by| !abnormal.contains(&(path.path, by.carrier)));
             side.iter().filter(counts).map(|it| it.place.index()).collect()
         };
         let (left, right) = (believed(&path.left), believed(&path.right));

@@ -4,7 +4,7 @@ use crate::reference::Story;
 use proptest::prelude::*;
 use topostar::abduction::Visit;
 use topostar::star::{
-    ControlLaw, Direction, FragmentId, GatewayId, LargeScaleStar, Slot, SlotIndex, SmallScaleStar,
+    ControlLaw, Direction, FragmentId, GatewayId, LargeScaleStar, Slot, SlotIndex, SmallScaleStar, StarError,
 };
 
 /// A walk through a world, as observed and as it was.
@@ -71,6 +71,37 @@ pub(crate) fn relist(visits: &[Visit], by: &[usize]) -> Vec<Visit> {
         arrival: turned(visit.arrival, k),
     };
     visits.iter().enumerate().map(relist).collect()
+}
+
+/// The same experience as seen in a mirror: what was clockwise is counter-clockwise. Control laws are left as they
+/// are, which no axiom can tell.
+pub(crate) fn mirrored(visits: &[Visit]) -> Vec<Visit> {
+    let image = |slot: SlotIndex, size: usize| SlotIndex(((size - slot.0 as usize) % size) as u8);
+    let mut before = 0;
+    let mut mirror = |visit: &Visit| {
+        let size = visit.star.size();
+        let departure = visit.departure.map(|slot| image(slot, before));
+        before = size;
+        let star = Star::of(&visit.star).mirrored().large_scale();
+        Visit { departure, star, arrival: image(visit.arrival, size) }
+    };
+    visits.iter().map(&mut mirror).collect()
+}
+
+/// The same star with other numbers, and where a bit of `by` says so, a fragment's directions swapped.
+pub(crate) fn renamed(star: &SmallScaleStar, by: u32) -> SmallScaleStar {
+    let gateway = |id: GatewayId| GatewayId(id.0 ^ (by % 64));
+    let rename = |slot: &Slot| Slot {
+        fragment: FragmentId(slot.fragment.0 + by % 100),
+        direction: match (slot.direction, by >> (slot.fragment.0 % 32) & 1) {
+            (Direction::Plus, 0) | (Direction::Minus, 1) => Direction::Plus,
+            _ => Direction::Minus,
+        },
+        outward: slot.outward.map(gateway),
+        inward: slot.inward.map(gateway),
+        ..slot.clone()
+    };
+    SmallScaleStar::new(star.slots().iter().map(rename).collect()).unwrap()
 }
 
 fn choices() -> impl Strategy<Value = Choices> {
@@ -159,7 +190,17 @@ impl Star {
         Star((0..size).map(slot).collect())
     }
 
-    pub(crate) fn large_scale(&self) -> LargeScaleStar {
+    /// Listed the other way round from its first slot.
+    fn mirrored(&self) -> Star {
+        let size = self.0.len();
+        let slot = |new: usize| {
+            let (opposite, control, navigable) = self.0[(size - new) % size];
+            ((size - opposite) % size, control, navigable)
+        };
+        Star((0..size).map(slot).collect())
+    }
+
+    pub(crate) fn small_scale(&self) -> Result<SmallScaleStar, StarError> {
         let gateway = |slot: usize| self.0[slot].2.then_some(GatewayId(slot as u32));
         let slot = |slot: usize| {
             let (opposite, control, _) = self.0[slot];
@@ -174,7 +215,11 @@ impl Star {
                 margin: None,
             }
         };
-        SmallScaleStar::new((0..self.0.len()).map(slot).collect()).unwrap().large_scale()
+        SmallScaleStar::new((0..self.0.len()).map(slot).collect())
+    }
+
+    pub(crate) fn large_scale(&self) -> LargeScaleStar {
+        self.small_scale().unwrap().large_scale()
     }
 }
 
@@ -185,6 +230,12 @@ pub(crate) struct World {
 }
 
 impl World {
+    /// This world with a wall to follow on the left at some slots.
+    pub(crate) fn marked(mut self, slots: &[(usize, usize)]) -> World {
+        slots.iter().for_each(|&(place, slot)| self.stars[place].0[slot].1 = ControlLaw::LeftWall);
+        self
+    }
+
     /// A world of some stars, and the pairs of gateways that path segments join.
     pub(crate) fn joined(stars: &[&str], segments: &[((usize, usize), (usize, usize))]) -> World {
         let mut world = World::new(stars.iter().map(|text| Star::written(text)).collect());

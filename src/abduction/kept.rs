@@ -1,7 +1,7 @@
 //! The children of one observation, cut to a limit while they are made.
 
-use crate::abduction::{AxiomSet, Simplicity};
 use crate::abduction::children::Child;
+use crate::abduction::{AxiomSet, Simplicity};
 
 /// Children in the order in which they were made. Never many more than the limit are held at once: each is a map,
 /// and one observation may make hundreds from every candidate.

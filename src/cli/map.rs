@@ -191,7 +191,8 @@ fn in_words(report: &Report, wire: &export::Report) -> String {
 /// The preferred map in two lines: how sure it is and how big, and the place of each visit.
 pub(super) fn headline(candidates: &export::Count, preferred: &export::Preferred, ties: usize) -> String {
     let export::Preferred { places, paths, segments, dstates, visits, .. } = preferred;
-    let abnormalities = preferred.abnormalities.map(|count| format!(", {count} abnormalities")).unwrap_or_default();
+    let abnormalities =
+        preferred.abnormalities.map(|count| format!(", {count} abnormalities")).unwrap_or_default();
     format!(
         "preferred map: {}\n{places} places, {paths} paths, {segments} path segments, {dstates} dstates{abnormalities}\n\
          visits to places {}\n",

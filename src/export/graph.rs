@@ -2,8 +2,8 @@
 
 use crate::abduction::Candidate;
 use crate::map::{
-    Abnormality, Beside, BoundSlot, Crossing, DstateId, PathRegions, Paths, PlaceId, Regions, Segment, TopoPath,
-    TopologicalMap,
+    Abnormality, Beside, BoundSlot, Crossing, DstateId, PathRegions, Paths, PlaceId, Regions, Segment,
+    TopoPath, TopologicalMap,
 };
 use crate::trace::wire_star::{WireControl, WireDirection};
 use serde::{Deserialize, Serialize};

@@ -47,19 +47,24 @@ pub fn place_type(place: &GraphPlace) -> String {
 /// The paths that have a place beside them, with these.
 fn boundaries(map: &MapGraph) -> String {
     let mut text = String::new();
-    for path in map.paths.iter().filter(|path| !path.regions.left.is_empty() || !path.regions.right.is_empty()) {
+    for path in
+        map.paths.iter().filter(|path| !path.regions.left.is_empty() || !path.regions.right.is_empty())
+    {
         let regions = &path.regions;
         let (left, right) = (numbers(&regions.left), numbers(&regions.right));
         let _ = write!(text, "  Pa{:<3} left {left}; right {right}", path.id + 1);
         if !regions.abnormal.is_empty() {
-            let crossed: Vec<String> = regions.abnormal.iter().map(|path| format!("Pa{}", path + 1)).collect();
+            let crossed: Vec<String> =
+                regions.abnormal.iter().map(|path| format!("Pa{}", path + 1)).collect();
             let _ = write!(text, "; no boundary for {}", crossed.join(" "));
         }
         text.push('\n');
     }
     match text.is_empty() {
         true => text,
-        false => format!("\npaths as boundaries, with the places beside them as seen along their order\n{text}"),
+        false => {
+            format!("\npaths as boundaries, with the places beside them as seen along their order\n{text}")
+        }
     }
 }
 

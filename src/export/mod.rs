@@ -15,7 +15,8 @@ mod map_text;
 pub use extraction::Extraction;
 pub use extraction_svg::extraction_svg;
 pub use graph::{
-    GraphBeside, GraphCrossing, GraphDstate, GraphGateway, GraphPath, GraphPlace, GraphRegions, GraphSegment, MapGraph,
+    GraphBeside, GraphCrossing, GraphDstate, GraphGateway, GraphPath, GraphPlace, GraphRegions, GraphSegment,
+    MapGraph,
 };
 pub use layout::Layout;
 pub use map_svg::map_svg;

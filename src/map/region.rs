@@ -112,7 +112,11 @@ impl PathRegions {
         on.flat_map(|beside| self.against(beside, None)).chain(both)
     }
 
-    fn against<'a>(&self, place: &'a Beside, right: Option<Crossing>) -> impl Iterator<Item = Conflict> + use<'a> {
+    fn against<'a>(
+        &self,
+        place: &'a Beside,
+        right: Option<Crossing>,
+    ) -> impl Iterator<Item = Conflict> + use<'a> {
         let path = self.path;
         place.evidence.iter().map(move |&beside| Conflict { path, place: place.place, beside, right })
     }

@@ -79,7 +79,8 @@ impl WireMapConfig {
             return Err(EventError::new("/axioms", "stands beside profile, expected one of the two"));
         }
         if self.boundary.is_some() {
-            let message = "stands beside axioms, expected boundary=soft or boundary=hard in that list instead";
+            let message =
+                "stands beside axioms, expected boundary=soft or boundary=hard in that list instead";
             return Err(EventError::new("/boundary", message));
         }
         let parsed: Result<AxiomSet, AxiomError> = names.join(",").parse();
