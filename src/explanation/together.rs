@@ -98,7 +98,7 @@ pub fn together(abduction: &Abduction, candidate: usize, visits: [usize; 2]) -> 
     let mut rival: Option<Rival> = None;
     for (index, other) in abduction.candidates().enumerate() {
         counts[usize::from(is_one(&other))] += 1;
-        let simplicity = other.simplicity();
+        let simplicity = other.simplicity(abduction.axioms());
         if is_one(&other) != one && rival.as_ref().is_none_or(|rival| simplicity < rival.simplicity) {
             rival = Some(Rival { candidate: index, simplicity });
         }

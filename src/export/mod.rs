@@ -14,8 +14,13 @@ mod map_text;
 
 pub use extraction::Extraction;
 pub use extraction_svg::extraction_svg;
-pub use graph::{GraphDstate, GraphGateway, GraphPath, GraphPlace, GraphSegment, MapGraph};
+pub use graph::{
+    GraphBeside, GraphCrossing, GraphDstate, GraphGateway, GraphPath, GraphPlace, GraphRegions, GraphSegment,
+    MapGraph,
+};
 pub use layout::Layout;
 pub use map_svg::map_svg;
 pub use map_text::{map_text, place_type};
-pub use report::{Assertion, Count, Extinction, Preferred, Relation, Report, StopReason, Strategy, profile_name};
+pub use report::{
+    Assertion, Count, Extinction, Preferred, Relation, Report, StopReason, Strategy, profile_name,
+};
