@@ -127,7 +127,7 @@ proptest! {
                 if visits.len() < 2 {
                     continue;
                 }
-                let limits = Limits { max_candidates: limit };
+                let limits = Limits { max_candidates: limit, max_steps: None };
                 let word = sayable(&word, visits.len());
                 let [taken, never] = [true, false].map(|back| told(visits, axioms, limits, &word, back));
                 prop_assert_eq!(bytes(&taken), bytes(&never));

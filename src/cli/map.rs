@@ -1,6 +1,6 @@
 //! `topostar map`: a trace in, the preferred map and the number of maps still possible out.
 
-use crate::abduction::{AxiomSet, Boundary, Profile, Report, StopReason};
+use crate::abduction::{AxiomSet, Boundary, Profile, Report, StopReason, Strategy};
 use crate::cli::failure::Failure;
 use crate::cli::input::{Events, read_events};
 use crate::export::{self, MapGraph, map_svg, map_text};
@@ -12,7 +12,7 @@ use std::fs;
 use std::io::{Write, stdout};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Find all maps that explain a trace, and the simplest.
 #[derive(Debug, Args)]
@@ -44,6 +44,12 @@ pub(super) struct Map {
     /// The most candidates kept after an observation, the simplest ones; counts say when this cut the search.
     #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
     max_candidates: u64,
+    /// With --strategy best-first: the most partial explanations looked at.
+    #[arg(long, value_name = "N")]
+    max_steps: Option<u64>,
+    /// With --strategy best-first: the longest search, in seconds; what was found by then is shown.
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    max_seconds: Option<f64>,
     /// Print the report as one JSON object.
     #[arg(long)]
     json: bool,
@@ -72,14 +78,21 @@ enum BoundaryName {
 enum StrategyName {
     /// All candidates, one observation after the other: exhaustive.
     BreadthFirst,
+    /// The simplest maps alone, and the proof that none is simpler.
+    BestFirst,
+}
+
+impl From<StrategyName> for Strategy {
+    fn from(name: StrategyName) -> Strategy {
+        match name {
+            StrategyName::BreadthFirst => Strategy::BreadthFirst,
+            StrategyName::BestFirst => Strategy::BestFirst,
+        }
+    }
 }
 
 impl Map {
     pub(super) fn run(self) -> Result<(), Failure> {
-        // Exhaustive search is the only one there is so far; the match makes the next one be thought of here.
-        match self.strategy {
-            StrategyName::BreadthFirst => {}
-        }
         let started = Instant::now();
         let input = read_events(&self.input, self.visits.as_deref())?;
         let boundary = self.boundary.map(Boundary::from);
@@ -103,7 +116,8 @@ impl Map {
         let max_candidates = usize::try_from(self.max_candidates).unwrap_or(usize::MAX);
         // What one process reads for one user is bounded by the input itself.
         let limits = Limits { events_per_map: usize::MAX, cells_per_map: usize::MAX, ..Limits::default() };
-        let mut session = Session::new(MapConfig { axioms, max_candidates }, limits);
+        let (strategy, max_steps) = (self.strategy.into(), self.max_steps);
+        let mut session = Session::new(MapConfig { axioms, strategy, max_candidates, max_steps }, limits);
         let bar = progress(input.events.len());
         let (mut events, mut fault) = (Vec::new(), input.fault);
         for (place, event) in input.events {
@@ -116,6 +130,8 @@ impl Map {
             bar.inc(1);
             bar.set_message(format!("{} candidates", session.abduction().len()));
         }
+        let deadline = self.max_seconds.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds));
+        session.settle(&|| deadline.is_some_and(|deadline| Instant::now() >= deadline));
         bar.finish_and_clear();
         Explained { events, report: session.abduction().report(), fault }
     }
@@ -246,9 +262,25 @@ fn write_files(
     Ok(())
 }
 
+/// A number of seconds on the command line.
+fn seconds(text: &str) -> Result<f64, String> {
+    let seconds: f64 = text.parse().map_err(|_| format!("`{text}` is no number, expected seconds"))?;
+    match (0.0..=1e9).contains(&seconds) {
+        true => Ok(seconds),
+        false => Err(format!("{seconds} is out of range, expected 0 to 1e9 seconds")),
+    }
+}
+
 fn verdict(report: &Report) -> Result<(), Failure> {
     match report.stop_reason {
-        StopReason::Exhausted => Ok(()),
+        StopReason::Exhausted | StopReason::MinimumProven => Ok(()),
+        StopReason::StepLimit | StopReason::Interrupted => {
+            let limit =
+                if report.stop_reason == StopReason::StepLimit { "--max-steps" } else { "--max-seconds" };
+            Err(Failure::Limit(format!(
+                "{limit} ended the search: the preferred map is the simplest found, not proven to be the simplest"
+            )))
+        }
         StopReason::CandidateLimit { observation } => Err(Failure::Limit(format!(
             "--max-candidates cut the search at observation {observation}: counts from there on are lower bounds"
         ))),
