@@ -1,6 +1,6 @@
 //! Which paths cross others in a way that makes them no boundaries.
 
-use crate::map::{Conflict, PathId, PathRegions, Regions};
+use crate::map::{Boundaries, Conflict, PathId, PathRegions, Regions, TopologicalMap};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// `ab(pa, pa')`: a path of whose neighbours nothing is said, in spite of all evidence, as far as another path
@@ -17,6 +17,14 @@ pub struct Abnormality {
 type Quarrels = BTreeMap<PathId, BTreeSet<PathId>>;
 
 impl Regions {
+    /// How many abnormalities a map needs. Quick where it needs none.
+    pub fn fewest_abnormalities(map: &TopologicalMap) -> usize {
+        match Boundaries::of(map).agree() {
+            true => 0,
+            false => Regions::of(map).abnormalities().len(),
+        }
+    }
+
     /// The fewest abnormalities under which no conflict is left, ascending; of several such sets always the same.
     /// None if and only if there is no conflict.
     ///
