@@ -65,6 +65,38 @@ fn the_report_has_the_fields_that_are_promised() {
 }
 
 #[test]
+fn boundaries_refute_or_rank_as_asked() {
+    let crescent = |how: &[&str]| {
+        topostar(&[&["map", "worlds/crescent.ndjson", "--profile", "paper", "--json"], how].concat())
+    };
+    let bare = json(&crescent(&[]));
+    assert_eq!((&bare["candidates"]["value"], &bare["preferred"]["places"]), (&3.into(), &3.into()));
+    assert!(bare["preferred"].get("abnormalities").is_none());
+    let soft = json(&crescent(&["--boundary", "soft"]));
+    assert_eq!((&soft["candidates"]["value"], &soft["preferred"]["abnormalities"]), (&3.into(), &0.into()));
+    assert_eq!(soft["preferred"]["places"], 4);
+    let hard = json(&crescent(&["--boundary", "hard"]));
+    assert_eq!((&hard["candidates"]["value"], &hard["refuted"]["boundary"]), (&1.into(), &2.into()));
+    let listed = topostar(&[
+        "map",
+        "worlds/crescent.ndjson",
+        "--axioms",
+        "determinism,star-match",
+        "--boundary",
+        "hard",
+    ]);
+    assert_eq!(listed.status.code(), Some(2));
+}
+
+/// Where the second crossing is on a path and beside it, the text says for which path it is no boundary.
+#[test]
+fn the_map_in_words_says_what_lies_beside_each_path() {
+    let words = text(&topostar(&["map", "worlds/crescent.ndjson", "--profile", "paper"]).stdout);
+    assert!(words.contains("  Pa1   left -; right 0 1; no boundary for Pa2\n"), "{words}");
+    assert!(words.contains("  Pa2   left 0 1 2; right -; no boundary for Pa1\n"), "{words}");
+}
+
+#[test]
 fn a_trace_comes_from_standard_input_too() {
     let trace =
         std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds/aces-stars.ndjson")).unwrap();
