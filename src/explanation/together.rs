@@ -87,33 +87,73 @@ pub struct Rival {
 /// What the candidate at a position, and all others, say of two different visits; none if there are no such visits or
 /// no such candidate. Linear in candidates times observations; reasons quadratic in the observations.
 pub fn together(abduction: &Abduction, candidate: usize, visits: [usize; 2]) -> Option<Together> {
+    together_each(abduction, candidate, &[visits])?.pop()
+}
+
+/// The same for several pairs of visits, in one pass over the candidates; none unless it can be said of each.
+pub fn together_each(abduction: &Abduction, candidate: usize, pairs: &[[usize; 2]]) -> Option<Vec<Together>> {
     let own = abduction.candidate(candidate)?;
-    let [a, b] = [visits[0].min(visits[1]), visits[0].max(visits[1])];
-    if a == b || b >= own.visits.len() {
+    if pairs.iter().any(|&[a, b]| a == b || a.max(b) >= own.visits.len()) {
         return None;
     }
-    let is_one = |candidate: &Candidate| candidate.visits[a].place == candidate.visits[b].place;
-    let one = is_one(&own);
-    let mut counts = [0; 2];
-    let mut rival: Option<Rival> = None;
+    let mut tallies: Vec<Tally> =
+        pairs.iter().map(|&[a, b]| Tally::new(abduction, &own, [a.min(b), a.max(b)])).collect();
+    let minimal = abduction.minimal();
     for (index, other) in abduction.candidates().enumerate() {
-        counts[usize::from(is_one(&other))] += 1;
+        let is_minimal = minimal.binary_search(&index).is_ok();
+        tallies.iter_mut().for_each(|tally| tally.count(index, &other, is_minimal));
+    }
+    Some(tallies.into_iter().map(|tally| tally.finish(abduction)).collect())
+}
+
+/// What has been counted of one pair of visits.
+struct Tally {
+    visits: [usize; 2],
+    opinion: Opinion,
+    together: u64,
+    apart: u64,
+    rival: Option<Rival>,
+    minimal_rivals: Vec<usize>,
+}
+
+impl Tally {
+    fn new(abduction: &Abduction, own: &Candidate, visits: [usize; 2]) -> Tally {
+        let opinion = match is_one(own, visits) {
+            true => one_place(abduction, own, visits),
+            false => two_places(abduction, own, visits),
+        };
+        Tally { visits, opinion, together: 0, apart: 0, rival: None, minimal_rivals: Vec::new() }
+    }
+
+    fn count(&mut self, index: usize, other: &Candidate, is_minimal: bool) {
+        let one = is_one(other, self.visits);
+        *(if one { &mut self.together } else { &mut self.apart }) += 1;
+        if one == matches!(self.opinion, Opinion::One { .. }) {
+            return;
+        }
+        if is_minimal {
+            self.minimal_rivals.push(index);
+        }
         let simplicity = other.simplicity();
-        if is_one(&other) != one && rival.as_ref().is_none_or(|rival| simplicity < rival.simplicity) {
-            rival = Some(Rival { candidate: index, simplicity });
+        if self.rival.as_ref().is_none_or(|rival| simplicity < rival.simplicity) {
+            self.rival = Some(Rival { candidate: index, simplicity });
         }
     }
-    let says_otherwise =
-        |&index: &usize| abduction.candidate(index).is_some_and(|other| is_one(&other) != one);
-    let opinion = if one { one_place(abduction, &own, [a, b]) } else { two_places(abduction, &own, [a, b]) };
-    Some(Together {
-        visits: [a, b],
-        opinion,
-        together: counted(abduction, counts[1]),
-        apart: counted(abduction, counts[0]),
-        rival,
-        minimal_rivals: abduction.minimal().into_iter().filter(says_otherwise).collect(),
-    })
+
+    fn finish(self, abduction: &Abduction) -> Together {
+        Together {
+            visits: self.visits,
+            opinion: self.opinion,
+            together: counted(abduction, self.together),
+            apart: counted(abduction, self.apart),
+            rival: self.rival,
+            minimal_rivals: self.minimal_rivals,
+        }
+    }
+}
+
+fn is_one(candidate: &Candidate, [a, b]: [usize; 2]) -> bool {
+    candidate.visits[a].place == candidate.visits[b].place
 }
 
 /// The observations at which a candidate came from the unknown to a known place, each with the first visit to it.
