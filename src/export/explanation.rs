@@ -15,6 +15,8 @@ pub struct Explanation {
     /// Each coming back: a visit that it takes for a known place though the robot came there from the unknown, with
     /// the first visit to that place.
     pub closures: Vec<Visits>,
+    /// What was asked of two visits; null if nothing was.
+    pub visits: Option<Visits>,
     /// For axioms that refuted rivals, one example each; along this candidate where there is one.
     pub refuted: BTreeMap<String, Refutation>,
     /// The gateway at which most other candidates are expected to fall; null if none would.
@@ -89,10 +91,14 @@ pub struct Rival {
 }
 
 impl Explanation {
-    /// The reasons of the candidate at a position, if there is one.
-    pub fn of(abduction: &Abduction, candidate: usize) -> Option<Explanation> {
+    /// The reasons of the candidate at a position, and what it says of two visits, if that is asked for. None unless
+    /// there are this candidate and these visits.
+    pub fn of(abduction: &Abduction, candidate: usize, visits: Option<[usize; 2]>) -> Option<Explanation> {
         let own = abduction.candidate(candidate)?;
-        let closures = together_each(abduction, candidate, &closures(abduction, &own))?;
+        let asked: Vec<[usize; 2]> = closures(abduction, &own).into_iter().chain(visits).collect();
+        let said = together_each(abduction, candidate, &asked)?;
+        let mut closures: Vec<Visits> = said.iter().map(|said| Visits::of(said, &own)).collect();
+        let visits = visits.and_then(|_| closures.pop());
         let refuted = examples(abduction, candidate);
         let named = |(id, refutation): (&crate::abduction::AxiomId, &crate::abduction::Refutation)| {
             (id.name().to_owned(), Refutation::of(refutation))
@@ -101,7 +107,8 @@ impl Explanation {
         let candidates = abduction.len() as u64;
         Some(Explanation {
             candidate,
-            closures: closures.iter().map(|said| Visits::of(said, &own)).collect(),
+            closures,
+            visits,
             refuted: refuted.iter().map(named).collect(),
             next: best.filter(|best| best.expected > 0).map(|best| Prospect::of(&best, candidates)),
         })
