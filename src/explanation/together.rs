@@ -1,6 +1,7 @@
 //! Why two visits are one place in a candidate, or are not, and what the rivals say.
 
 use crate::abduction::{Abduction, Assignment, Candidate, Count, Proposed, Relation, Simplicity, judge};
+use crate::explanation::examples::last_refutation;
 use crate::explanation::travels::{StepKind, Travelled, first_visit, travels};
 use crate::map::{DstateId, PlaceId};
 use crate::star::StarDifference;
@@ -38,8 +39,9 @@ pub enum Opinion {
     Two {
         /// The places.
         places: [PlaceId; 2],
-        /// What the later visit would be as one to the other's place, under each alignment of the stars, with what
-        /// refutes that where it is made.
+        /// What the later visit would be as one to the other's place, under each alignment of the stars, all before
+        /// it as the candidate says; with what refutes that, or at a later observation the last of all that comes of
+        /// it. Nothing does if a story that begins so obeys the axioms to the end, or if there is too much to look at.
         alternatives: Vec<Proposed>,
         /// How the stars differ, if they have no alignment.
         difference: Option<StarDifference>,
@@ -224,7 +226,8 @@ fn two_places(abduction: &Abduction, own: &Candidate, [a, b]: [usize; 2]) -> Opi
         let assignment = Assignment { place, rotation };
         let whole = [&own.visits[..b], &[assignment]].concat();
         let judged = judge(abduction.visits(), abduction.evidence(), abduction.axioms(), &whole);
-        Proposed { assignment, refutation: judged.err() }
+        let refutation = judged.err().or_else(|| last_refutation(abduction, whole));
+        Proposed { assignment, refutation }
     };
     let alternatives: Vec<Proposed> = star.alignments(seen).into_iter().map(alternative).collect();
     let difference = if alternatives.is_empty() { star.difference(seen, 0) } else { None };

@@ -47,16 +47,11 @@ pub fn visits_text(said: &Visits, report: &Report) -> String {
         let _ = writeln!(text, "    the stars seen differ: of place {}, {difference}", said.places[0]);
     }
     for alternative in &said.alternatives {
-        let _ = match &alternative.refuted {
-            Some(refuted) => {
-                writeln!(
-                    text,
-                    "    as place {}, refuted by {}: {}",
-                    alternative.place, refuted.axiom, refuted.words
-                )
-            }
-            None => writeln!(text, "    as place {}, nothing refutes it there", alternative.place),
-        };
+        let why = alternative.refuted.as_ref().map_or_else(
+            || "nothing refutes it".into(),
+            |it| format!("refuted at observation {} by {}: {}", it.observation, it.axiom, it.words),
+        );
+        let _ = writeln!(text, "    as place {}, {why}", alternative.place);
     }
     match &said.rival {
         Some(rival) => {

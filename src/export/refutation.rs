@@ -31,7 +31,7 @@ pub struct Alternative {
     pub place: usize,
     /// How many slots further on the star of the place each slot seen is.
     pub rotation: u8,
-    /// What refutes it where it is made; null if nothing does there.
+    /// What refutes it, or the last of all that comes of it; null if nothing does.
     pub refuted: Option<Refutation>,
 }
 
