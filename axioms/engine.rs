@@ -24,13 +24,18 @@ pub(crate) fn names(axioms: AxiomSet) -> Vec<&'static str> {
     axioms.without_measured().iter().map(|axiom| axiom.name).collect()
 }
 
-/// Both profiles, and every axiom that can be switched alone off and alone on.
+/// Both profiles, and every axiom that can be switched alone off or added, and alone on.
 pub(crate) fn axiom_sets() -> Vec<AxiomSet> {
     let mut sets = vec![AxiomSet::built_in()];
     sets.extend(Profile::ALL.map(AxiomSet::of));
     for axiom in REGISTRY.iter().filter(|axiom| axiom.switchable && !axiom.is_measured()) {
         sets.push(AxiomSet::built_in().with(axiom.id));
-        sets.push(AxiomSet::of(Profile::Default).without(axiom.id).unwrap());
+        let default = AxiomSet::of(Profile::Default);
+        sets.push(if default.contains(axiom.id) {
+            default.without(axiom.id).unwrap()
+        } else {
+            default.with(axiom.id)
+        });
     }
     sets
 }

@@ -82,9 +82,12 @@ fn what_is_said_of_two_visits_is_true(
     let one = all.iter().filter(|it| is_one(it)).count() as u64;
     prop_assert_eq!((found.together.value, found.apart.value), (one, all.len() as u64 - one));
     let rivals = || (0..all.len()).filter(|&it| is_one(&all[it]) != is_one(own));
-    let simplest = rivals().min_by_key(|&it| (all[it].simplicity(), it));
+    let simplest = rivals().min_by_key(|&it| (all[it].simplicity(abduction.axioms()), it));
     prop_assert_eq!(found.rival.as_ref().map(|rival| rival.candidate), simplest);
-    prop_assert_eq!(found.rival.map(|rival| rival.simplicity), simplest.map(|it| all[it].simplicity()));
+    prop_assert_eq!(
+        found.rival.map(|rival| rival.simplicity),
+        simplest.map(|it| all[it].simplicity(abduction.axioms()))
+    );
     let minimal = abduction.minimal();
     prop_assert_eq!(found.minimal_rivals, rivals().filter(|it| minimal.contains(it)).collect::<Vec<_>>());
     match found.opinion {

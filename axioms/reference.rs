@@ -59,6 +59,7 @@ pub(crate) fn obeys(visits: &[Visit], story: &Story, law: &str) -> bool {
         "travel-moves" => travels(visits, story).iter().all(|(from, to)| from.0 != to.0),
         "path-order" => path_order(visits, story),
         "planarity" => planarity(visits, story),
+        "boundary" => boundary(visits, story),
         law => panic!("the reference does not know the law {law}"),
     }
 }
@@ -122,6 +123,103 @@ fn planarity(visits: &[Visit], story: &Story) -> bool {
     place_count(story) + faces == segments.len() + 2
 }
 
+/// Whoever walks along a path and sees others leave it to the left and to the right never sees a place ahead on
+/// two of left, right and the path itself.
+fn boundary(visits: &[Visit], story: &Story) -> bool {
+    beside(visits, story).iter().all(|(on, sides)| {
+        let [left, right] = sides.each_ref().map(|side| side.iter().map(|it| it.0).collect::<BTreeSet<_>>());
+        left.is_disjoint(&right) && left.is_disjoint(on) && right.is_disjoint(on)
+    })
+}
+
+/// The fewest pairs of paths to be exempt, so that the other evidence agrees: of each path all sets of paths that
+/// carry evidence about it, the small ones first.
+pub(crate) fn abnormalities(visits: &[Visit], story: &Story) -> usize {
+    let exempt = |(on, sides): &(BTreeSet<usize>, [Evidence; 2])| {
+        let carriers: Vec<End> =
+            sides.iter().flatten().map(|it| it.1).collect::<BTreeSet<_>>().into_iter().collect();
+        let agrees = |exempt: u32| {
+            let kept = |it: &&(usize, End)| {
+                let carrier = carriers.iter().position(|carrier| *carrier == it.1).unwrap();
+                exempt & (1 << carrier) == 0
+            };
+            let [left, right] =
+                sides.each_ref().map(|side| side.iter().filter(kept).map(|it| it.0).collect::<BTreeSet<_>>());
+            left.is_disjoint(&right) && left.is_disjoint(on) && right.is_disjoint(on)
+        };
+        (0..1u32 << carriers.len()).filter(|&set| agrees(set)).map(u32::count_ones).min().unwrap() as usize
+    };
+    beside(visits, story).iter().map(exempt).sum()
+}
+
+/// Places beside a path, and the least dstate of the path that leads to them.
+pub(crate) type Evidence = BTreeSet<(usize, End)>;
+
+/// For each path the places on it, and those left and right of it.
+pub(crate) fn beside(visits: &[Visit], story: &Story) -> Vec<(BTreeSet<usize>, [Evidence; 2])> {
+    let ends = all_ends(visits, story);
+    let lines: Vec<BTreeSet<End>> = ends.iter().map(|&end| line(visits, story, end)).collect();
+    let line_of = |end: End| &lines[ends.iter().position(|own| *own == end).unwrap()];
+    let distinct: BTreeSet<&BTreeSet<End>> = lines.iter().collect();
+    let sides_of = |path: &BTreeSet<End>| {
+        let mut sides = [Evidence::new(), Evidence::new()];
+        // In the direction of its least dstate.
+        for ahead in one_way(visits, story, *path.first().unwrap()) {
+            let (size, back) = (star_of(visits, story, ahead.0).size(), opposite(visits, story, ahead));
+            let clockwise = |slot: usize| (slot + size - ahead.1) % size;
+            for slot in (0..size).map(|slot| (ahead.0, slot)).filter(|slot| *slot != ahead && *slot != back) {
+                let right = usize::from(clockwise(slot.1) < clockwise(back.1));
+                let name = *line_of(slot).first().unwrap();
+                sides[right].extend(onward(visits, story, slot).into_iter().map(|place| (place, name)));
+            }
+        }
+        (path.iter().map(|end| end.0).collect(), sides)
+    };
+    distinct.into_iter().map(sides_of).collect()
+}
+
+/// All dstates of the path of one.
+fn line(visits: &[Visit], story: &Story, end: End) -> BTreeSet<End> {
+    let mut line = BTreeSet::from([end]);
+    loop {
+        let on = line.iter().flat_map(|&end| {
+            [Some(opposite(visits, story, end)), far_end(visits, story, end)].into_iter().flatten()
+        });
+        let more: BTreeSet<End> = on.chain(line.iter().copied()).collect();
+        if more == line {
+            return line;
+        }
+        line = more;
+    }
+}
+
+/// The dstates of the path of one that face the way it does.
+fn one_way(visits: &[Visit], story: &Story, end: End) -> BTreeSet<End> {
+    let mut way = BTreeSet::from([end]);
+    loop {
+        let next = |&end: &End| far_end(visits, story, end).map(|far| opposite(visits, story, far));
+        let last = |&end: &End| far_end(visits, story, opposite(visits, story, end));
+        let more: BTreeSet<End> =
+            way.iter().flat_map(|end| [Some(*end), next(end), last(end)].into_iter().flatten()).collect();
+        if more == way {
+            return way;
+        }
+        way = more;
+    }
+}
+
+/// The places that a robot meets that travels on and on, until nothing is new.
+fn onward(visits: &[Visit], story: &Story, start: End) -> BTreeSet<usize> {
+    let (mut passed, mut ahead) = (BTreeSet::new(), start);
+    let mut places = BTreeSet::new();
+    while passed.insert(ahead) {
+        let Some(far) = far_end(visits, story, ahead) else { break };
+        places.insert(far.0);
+        ahead = opposite(visits, story, far);
+    }
+    places
+}
+
 /// The number of paths, travelled or not, and of places.
 pub(crate) fn size(visits: &[Visit], story: &Story) -> (usize, usize) {
     // Each dstate its own label; dstates of one path take the least, until nothing changes.
@@ -143,10 +241,12 @@ pub(crate) fn size(visits: &[Visit], story: &Story) -> (usize, usize) {
     }
 }
 
-/// The simplest of some stories, all that are equally simple.
-pub(crate) fn minimal(visits: &[Visit], stories: &[Story]) -> Vec<Story> {
-    let least = stories.iter().map(|story| size(visits, story)).min();
-    stories.iter().filter(|story| Some(size(visits, story)) == least).cloned().collect()
+/// The simplest of some stories, all that are equally simple; with `soft` boundaries those of the fewest
+/// abnormalities first.
+pub(crate) fn minimal(visits: &[Visit], stories: &[Story], soft: bool) -> Vec<Story> {
+    let simplicity = |story: &Story| (soft.then(|| abnormalities(visits, story)), size(visits, story));
+    let least = stories.iter().map(simplicity).min();
+    stories.iter().filter(|story| Some(simplicity(story)) == least).cloned().collect()
 }
 
 /// The path segments: each travelled pair of gateways once, the lower one first.

@@ -4,7 +4,7 @@ use crate::reference::Story;
 use proptest::prelude::*;
 use topostar::abduction::Visit;
 use topostar::star::{
-    ControlLaw, Direction, FragmentId, GatewayId, LargeScaleStar, Slot, SlotIndex, SmallScaleStar,
+    ControlLaw, Direction, FragmentId, GatewayId, LargeScaleStar, Slot, SlotIndex, SmallScaleStar, StarError,
 };
 
 /// A walk through a world, as observed and as it was.
@@ -78,6 +78,37 @@ pub(crate) fn unheard_of() -> LargeScaleStar {
     Star((0..10).map(|slot| ((slot + 5) % 10, ControlLaw::RightWall, true)).collect()).large_scale()
 }
 
+/// The same experience as seen in a mirror: what was clockwise is counter-clockwise. Control laws are left as they
+/// are, which no axiom can tell.
+pub(crate) fn mirrored(visits: &[Visit]) -> Vec<Visit> {
+    let image = |slot: SlotIndex, size: usize| SlotIndex(((size - slot.0 as usize) % size) as u8);
+    let mut before = 0;
+    let mut mirror = |visit: &Visit| {
+        let size = visit.star.size();
+        let departure = visit.departure.map(|slot| image(slot, before));
+        before = size;
+        let star = Star::of(&visit.star).mirrored().large_scale();
+        Visit { departure, star, arrival: image(visit.arrival, size) }
+    };
+    visits.iter().map(&mut mirror).collect()
+}
+
+/// The same star with other numbers, and where a bit of `by` says so, a fragment's directions swapped.
+pub(crate) fn renamed(star: &SmallScaleStar, by: u32) -> SmallScaleStar {
+    let gateway = |id: GatewayId| GatewayId(id.0 ^ (by % 64));
+    let rename = |slot: &Slot| Slot {
+        fragment: FragmentId(slot.fragment.0 + by % 100),
+        direction: match (slot.direction, by >> (slot.fragment.0 % 32) & 1) {
+            (Direction::Plus, 0) | (Direction::Minus, 1) => Direction::Plus,
+            _ => Direction::Minus,
+        },
+        outward: slot.outward.map(gateway),
+        inward: slot.inward.map(gateway),
+        ..slot.clone()
+    };
+    SmallScaleStar::new(star.slots().iter().map(rename).collect()).unwrap()
+}
+
 fn choices() -> impl Strategy<Value = Choices> {
     prop::collection::vec(any::<u16>(), 0..120).prop_map(|drawn| Choices { drawn: drawn.into_iter() })
 }
@@ -108,9 +139,28 @@ impl Choices {
 
 /// A star by its slots: opposite, label, and whether there is an outward gateway.
 #[derive(Clone, Debug)]
-struct Star(Vec<(usize, ControlLaw, bool)>);
+pub(crate) struct Star(Vec<(usize, ControlLaw, bool)>);
 
 impl Star {
+    /// A star written slot by slot, clockwise: the letter of the path fragment, then `!` where a wall ends it here, `?`
+    /// where open space does, `<` where travel follows the wall on the left.
+    pub(crate) fn written(text: &str) -> Star {
+        let slots: Vec<&str> = text.split(' ').collect();
+        let slot = |(at, slot): (usize, &&str)| {
+            let (fragment, control) = slot.split_at(1);
+            let opposite = (0..slots.len()).find(|other| *other != at && slots[*other].starts_with(fragment));
+            let (control, navigable) = match control {
+                "" => (ControlLaw::Midline, true),
+                "<" => (ControlLaw::LeftWall, true),
+                "!" => (ControlLaw::DeadEnd, false),
+                "?" => (ControlLaw::None, false),
+                other => panic!("`{other}` is no mark of a slot"),
+            };
+            (opposite.unwrap(), control, navigable)
+        };
+        Star(slots.iter().enumerate().map(slot).collect())
+    }
+
     fn any(choices: &mut Choices) -> Star {
         let fragments = 1 + choices.below(3);
         let mut free: Vec<usize> = (0..2 * fragments).collect();
@@ -129,14 +179,14 @@ impl Star {
         Star(slots)
     }
 
-    fn of(star: &LargeScaleStar) -> Star {
+    pub(crate) fn of(star: &LargeScaleStar) -> Star {
         let slot =
             |slot: &topostar::star::LargeSlot| (slot.opposite.0 as usize, slot.control, slot.navigable);
         Star(star.slots().iter().map(slot).collect())
     }
 
     /// Listed from another slot on.
-    fn relisted(&self, from: usize) -> Star {
+    pub(crate) fn relisted(&self, from: usize) -> Star {
         let size = self.0.len();
         let slot = |new: usize| {
             let (opposite, control, navigable) = self.0[(new + from) % size];
@@ -145,7 +195,17 @@ impl Star {
         Star((0..size).map(slot).collect())
     }
 
-    fn large_scale(&self) -> LargeScaleStar {
+    /// Listed the other way round from its first slot.
+    fn mirrored(&self) -> Star {
+        let size = self.0.len();
+        let slot = |new: usize| {
+            let (opposite, control, navigable) = self.0[(size - new) % size];
+            ((size - opposite) % size, control, navigable)
+        };
+        Star((0..size).map(slot).collect())
+    }
+
+    pub(crate) fn small_scale(&self) -> Result<SmallScaleStar, StarError> {
         let gateway = |slot: usize| self.0[slot].2.then_some(GatewayId(slot as u32));
         let slot = |slot: usize| {
             let (opposite, control, _) = self.0[slot];
@@ -160,17 +220,34 @@ impl Star {
                 margin: None,
             }
         };
-        SmallScaleStar::new((0..self.0.len()).map(slot).collect()).unwrap().large_scale()
+        SmallScaleStar::new((0..self.0.len()).map(slot).collect())
+    }
+
+    pub(crate) fn large_scale(&self) -> LargeScaleStar {
+        self.small_scale().unwrap().large_scale()
     }
 }
 
 /// Stars, and the far end of each slot where there is one.
-struct World {
+pub(crate) struct World {
     stars: Vec<Star>,
     far: Vec<Vec<Option<(usize, usize)>>>,
 }
 
 impl World {
+    /// This world with a wall to follow on the left at some slots.
+    pub(crate) fn marked(mut self, slots: &[(usize, usize)]) -> World {
+        slots.iter().for_each(|&(place, slot)| self.stars[place].0[slot].1 = ControlLaw::LeftWall);
+        self
+    }
+
+    /// A world of some stars, and the pairs of gateways that path segments join.
+    pub(crate) fn joined(stars: &[&str], segments: &[((usize, usize), (usize, usize))]) -> World {
+        let mut world = World::new(stars.iter().map(|text| Star::written(text)).collect());
+        segments.iter().for_each(|&(a, b)| world.join(a, b));
+        world
+    }
+
     fn new(stars: Vec<Star>) -> World {
         let far = stars.iter().map(|star| vec![None; star.0.len()]).collect();
         World { stars, far }
@@ -201,7 +278,8 @@ impl World {
         world
     }
 
-    fn grid(rows: usize, columns: usize) -> World {
+    /// Corridors along all lines of a grid; slots are north, east, south, west.
+    pub(crate) fn grid(rows: usize, columns: usize) -> World {
         let side = |open| if open { (ControlLaw::Midline, true) } else { (ControlLaw::DeadEnd, false) };
         let mut stars = Vec::new();
         for row in 0..rows {
@@ -227,6 +305,27 @@ impl World {
             }
         }
         world
+    }
+
+    /// The walk that starts at a dstate and leaves each place by the slot said, stars listed as they are.
+    pub(crate) fn follow(&self, start: (usize, usize), leave: &[usize]) -> Walk {
+        let mut numbers: Vec<usize> = Vec::new();
+        let mut walk = Walk { visits: Vec::new(), truth: Vec::new() };
+        let (mut place, mut arrival) = start;
+        let mut departures = leave.iter();
+        let mut departure = None;
+        loop {
+            if !numbers.contains(&place) {
+                numbers.push(place);
+            }
+            walk.truth.push((numbers.iter().position(|own| *own == place).unwrap(), 0));
+            let star = self.stars[place].large_scale();
+            walk.visits.push(Visit { departure, star, arrival: SlotIndex(arrival as u8) });
+            let Some(&slot) = departures.next() else { return walk };
+            departure = Some(SlotIndex(slot as u8));
+            let far = self.far[place][slot].unwrap_or_else(|| panic!("no way leads from {place} by {slot}"));
+            (place, arrival) = (far.0, self.stars[far.0].0[far.1].0);
+        }
     }
 
     /// A walk that stops early where nothing leads on. Each observation is listed from a slot of its own.

@@ -16,6 +16,7 @@ pub(crate) const PROPERTIES: &[(AxiomId, Property)] = &[
     (AxiomId::TravelMoves, a_travel_leads_to_another_place),
     (AxiomId::PathOrder, walking_on_no_place_comes_twice),
     (AxiomId::Planarity, crate::planarity::places_and_faces_are_two_more_than_segments),
+    (AxiomId::Boundary, crate::boundary::paths_divide_left_from_right),
 ];
 
 fn a_gateway_has_one_far_end(visits: &[Visit]) -> Result<(), TestCaseError> {

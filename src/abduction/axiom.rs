@@ -48,6 +48,8 @@ pub enum AxiomId {
     PathOrder,
     /// `planarity`
     Planarity,
+    /// `boundary`
+    Boundary,
     /// `distance`
     Distance,
     /// `angle`

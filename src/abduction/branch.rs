@@ -1,7 +1,7 @@
 //! What axioms judge: a child proposed for a candidate.
 
 use crate::abduction::Assignment;
-use crate::map::{DstateId, Face, PlaceId, PlaceSet, TopologicalMap, path_from_end};
+use crate::map::{DstateId, Face, PlaceId, PlaceSet, Regions, TopologicalMap, path_from_end};
 use crate::star::LargeScaleStar;
 use std::cell::OnceCell;
 use std::fmt::Debug;
@@ -110,5 +110,11 @@ impl<'a> Branch<'a> {
     /// the length of the face the first time, constant from then on.
     pub fn one_face(&self, to: DstateId) -> bool {
         self.face.get_or_init(|| Face::around(self.map, self.from)).holds(self.map, to)
+    }
+
+    /// Whether no evidence about boundaries is in conflict once `from` and `to`, two dstates without far end, are
+    /// joined.
+    pub fn boundaries_kept(&self, to: DstateId) -> bool {
+        Regions::of(&self.map.joined(self.from, to)).conflicts().next().is_none()
     }
 }

@@ -1,6 +1,6 @@
 //! A candidate map.
 
-use crate::abduction::Simplicity;
+use crate::abduction::{AxiomSet, Simplicity};
 use crate::map::{DstateId, PlaceId, TopologicalMap};
 use std::sync::Arc;
 
@@ -27,9 +27,9 @@ pub struct Assignment {
 }
 
 impl Candidate {
-    /// How simple its map is.
-    pub fn simplicity(&self) -> Simplicity {
-        Simplicity::of(&self.map)
+    /// How simple its map is under these axioms.
+    pub fn simplicity(&self, axioms: AxiomSet) -> Simplicity {
+        Simplicity::of(&self.map, axioms)
     }
 
     /// The number of the place of each observation.

@@ -1,12 +1,13 @@
 //! The children of one observation, cut to a limit while they are made.
 
-use crate::abduction::Simplicity;
 use crate::abduction::children::Child;
+use crate::abduction::{AxiomSet, Simplicity};
 
 /// Children in the order in which they were made. Never many more than the limit are held at once: each is a map,
 /// and one observation may make hundreds from every candidate.
 pub(super) struct Kept {
     limit: Option<usize>,
+    axioms: AxiomSet,
     children: Vec<(u32, Child)>,
     /// Of all children, cut ones among them, how many are new maps.
     pub(super) made: u64,
@@ -17,8 +18,8 @@ pub(super) struct Kept {
 const SLACK: usize = 2048;
 
 impl Kept {
-    pub(super) fn new(limit: Option<usize>) -> Self {
-        Kept { limit, children: Vec::new(), made: 0, cut: false }
+    pub(super) fn new(limit: Option<usize>, axioms: AxiomSet) -> Self {
+        Kept { limit, axioms, children: Vec::new(), made: 0, cut: false }
     }
 
     /// Adds the child of a candidate, which comes after all before it in the order of assignments.
@@ -40,7 +41,9 @@ impl Kept {
     fn cut_to_limit(&mut self) {
         let Some(limit) = self.limit.filter(|&limit| self.children.len() > limit) else { return };
         self.cut = true;
-        let simplicity = |(index, (_, child)): (usize, &(u32, Child))| (Simplicity::of(&child.map), index);
+        let axioms = self.axioms;
+        let simplicity =
+            |(index, (_, child)): (usize, &(u32, Child))| (Simplicity::of(&child.map, axioms), index);
         let mut ranked: Vec<(Simplicity, usize)> = self.children.iter().enumerate().map(simplicity).collect();
         ranked.sort_unstable();
         let mut keep = vec![false; self.children.len()];
@@ -82,13 +85,14 @@ mod tests {
             made: true,
         };
         let all = 0..20_000u32;
+        let axioms = AxiomSet::built_in();
         for limit in [1, 3, 5000, 15_000] {
             let mut ranked: Vec<(Simplicity, u32)> =
-                all.clone().map(|k| (Simplicity::of(&child(k).map), k)).collect();
+                all.clone().map(|k| (Simplicity::of(&child(k).map, axioms), k)).collect();
             ranked.sort_unstable();
             let mut expected: Vec<u32> = ranked[..limit].iter().map(|&(_, k)| k).collect();
             expected.sort_unstable();
-            let mut kept = Kept::new(Some(limit));
+            let mut kept = Kept::new(Some(limit), axioms);
             for k in all.clone() {
                 kept.push(k, child(k));
                 assert!(kept.children.len() <= 2 * limit.max(SLACK));

@@ -4,7 +4,8 @@
 //! A *candidate* assigns every observation to a place and a rotation, such that the axioms hold. An observation
 //! *extends* the candidates there are: travel along a known path segment keeps a map or refutes it, travel into
 //! the unknown branches over every place that looks the same, in each rotation, and over a new place. *Preferred*
-//! are the candidates with the fewest paths, among them those with the fewest places.
+//! are the candidates with the fewest paths, among them those with the fewest places; before both, where boundaries are
+//! held as a default, those with the fewest abnormalities.
 //!
 //! Symbols only. What is known of metres enters, if at all, as further axioms.
 
@@ -28,7 +29,7 @@ mod visit;
 mod word;
 
 pub use axiom::{Axiom, AxiomId, Check, Profile};
-pub use axiom_set::{AxiomError, AxiomSet};
+pub use axiom_set::{AxiomError, AxiomSet, Boundary};
 pub use axioms::REGISTRY;
 pub use branch::{Branch, Lineage, Outcome, Proposal};
 pub use candidate::{Assignment, Candidate};

@@ -89,7 +89,7 @@ impl Abduction {
                     assignment: Assignment { place: PlaceId::FIRST, rotation: 0 },
                     made: true,
                 };
-                let mut kept = Kept::new(self.limits.max_candidates);
+                let mut kept = Kept::new(self.limits.max_candidates, self.axioms);
                 kept.push(0, child);
                 self.keep(kept, Refutations::default());
             }
@@ -169,9 +169,9 @@ impl Abduction {
 
     /// The positions of the simplest candidates, all that are equally simple.
     pub fn minimal(&self) -> Vec<usize> {
-        let simplicity = |index: &usize| Simplicity::of(&self.maps[*index]);
-        let Some(least) = (0..self.len()).map(|index| simplicity(&index)).min() else { return Vec::new() };
-        (0..self.len()).filter(|index| simplicity(index) == least).collect()
+        let all: Vec<Simplicity> = self.maps.iter().map(|map| Simplicity::of(map, self.axioms)).collect();
+        let least = all.iter().min();
+        (0..self.len()).filter(|&index| Some(&all[index]) == least).collect()
     }
 
     /// What is found so far. Linear in candidates and observations.
@@ -189,7 +189,7 @@ impl Abduction {
             maps_created: Count::new(self.maps_created, complete),
             refuted: self.refuted.iter().copied().sum(),
             refuted_per_observation: self.refuted.clone(),
-            simplicity: minimal.first().map(Candidate::simplicity),
+            simplicity: minimal.first().map(|candidate| candidate.simplicity(self.axioms)),
             unique: complete && minimal.len() == 1,
             minimal,
             proven: complete,
@@ -203,7 +203,7 @@ impl Abduction {
     }
 
     fn extend(&mut self, seen: &Seen) {
-        let kept = Kept::new(self.limits.max_candidates);
+        let kept = Kept::new(self.limits.max_candidates, self.axioms);
         let evidence = self.evidence.as_deref();
         let mut extension =
             Extension { seen, axioms: self.axioms(), evidence, refuted: Refutations::default(), kept };

@@ -1,6 +1,6 @@
 //! `topostar map`: a trace in, the preferred map and the number of maps still possible out.
 
-use crate::abduction::{Abduction, AxiomSet, Profile, Report, StopReason};
+use crate::abduction::{Abduction, AxiomSet, Boundary, Profile, Report, StopReason};
 use crate::cli::failure::Failure;
 use crate::cli::input::{Events, read_events};
 use crate::export::{self, Explanation, MapGraph, explanation_text, map_svg, map_text, visits_text};
@@ -37,8 +37,11 @@ pub(super) struct Map {
     /// A choice of axioms.
     #[arg(long, value_enum, default_value_t = ProfileName::Default)]
     profile: ProfileName,
+    /// Hold boundaries too: a path divides what is right of it from what is left.
+    #[arg(long, value_enum)]
+    boundary: Option<BoundaryName>,
     /// Exactly these axioms in place of a profile, names with commas between.
-    #[arg(long, conflicts_with = "profile")]
+    #[arg(long, conflicts_with_all = ["profile", "boundary"])]
     axioms: Option<AxiomSet>,
     /// How candidates are searched.
     #[arg(long, value_enum, default_value_t = StrategyName::BreadthFirst)]
@@ -67,6 +70,14 @@ enum ProfileName {
     Paper,
     /// With planarity.
     Default,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum BoundaryName {
+    /// Maps with fewer exceptions are preferred to others.
+    Soft,
+    /// Maps with an exception are refuted.
+    Hard,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -122,7 +133,9 @@ impl Map {
         }
         let started = Instant::now();
         let input = read_events(&self.input, self.visits.as_deref())?;
-        let axioms = self.axioms.unwrap_or_else(|| AxiomSet::of(self.profile.into()));
+        let boundary = self.boundary.map(Boundary::from);
+        let profile = || AxiomSet::of(self.profile.into()).with_boundary(boundary);
+        let axioms = self.axioms.unwrap_or_else(profile);
         let Explained { events, session, fault } = self.search(input, axioms)?;
         let report = session.abduction().report();
         let mut wire = export::Report::new(&report);
@@ -208,6 +221,15 @@ impl From<ProfileName> for Profile {
     }
 }
 
+impl From<BoundaryName> for Boundary {
+    fn from(name: BoundaryName) -> Boundary {
+        match name {
+            BoundaryName::Soft => Boundary::Soft,
+            BoundaryName::Hard => Boundary::Hard,
+        }
+    }
+}
+
 /// A bar on standard error, which draws itself on a terminal only.
 fn progress(events: usize) -> ProgressBar {
     let bar = ProgressBar::new(events as u64);
@@ -255,8 +277,10 @@ fn reasons_in_words(wire: &export::Report) -> String {
 /// The preferred map in two lines: how sure it is and how big, and the place of each visit.
 pub(super) fn headline(candidates: &export::Count, preferred: &export::Preferred, ties: usize) -> String {
     let export::Preferred { places, paths, segments, dstates, visits, .. } = preferred;
+    let abnormalities =
+        preferred.abnormalities.map(|count| format!(", {count} abnormalities")).unwrap_or_default();
     format!(
-        "preferred map: {}\n{places} places, {paths} paths, {segments} path segments, {dstates} dstates\n\
+        "preferred map: {}\n{places} places, {paths} paths, {segments} path segments, {dstates} dstates{abnormalities}\n\
          visits to places {}\n",
         certainty(candidates, preferred, ties),
         numbers(visits),

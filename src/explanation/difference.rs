@@ -43,7 +43,7 @@ pub fn difference(abduction: &Abduction, candidates: [usize; 2]) -> Option<Diffe
     };
     Some(Difference {
         parting: visits[0].iter().zip(visits[1]).position(|(one, other)| one != other),
-        simplicity: both.each_ref().map(Candidate::simplicity),
+        simplicity: both.each_ref().map(|candidate| candidate.simplicity(abduction.axioms())),
         places: joined_in_one(&firsts, 0),
         rotations: (0..visits[0].len()).filter(turned).collect(),
         paths: joined_in_one(&paths, 1),

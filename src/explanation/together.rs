@@ -5,7 +5,9 @@ use crate::explanation::examples::last_refutation;
 use crate::explanation::travels::{StepKind, Travelled, first_visit, travels};
 use crate::map::{DstateId, PlaceId};
 use crate::star::StarDifference;
+use std::cell::LazyCell;
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Deref;
 
 /// What a candidate, and what all candidates, say of two visits.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -103,7 +105,8 @@ pub fn together_each(abduction: &Abduction, candidate: usize, pairs: &[[usize; 2
     let minimal = abduction.minimal();
     for (index, other) in abduction.candidates().enumerate() {
         let is_minimal = minimal.binary_search(&index).is_ok();
-        tallies.iter_mut().for_each(|tally| tally.count(index, &other, is_minimal));
+        let simplicity = LazyCell::new(|| other.simplicity(abduction.axioms()));
+        tallies.iter_mut().for_each(|tally| tally.count(index, &other, is_minimal, &simplicity));
     }
     Some(tallies.into_iter().map(|tally| tally.finish(abduction)).collect())
 }
@@ -127,7 +130,13 @@ impl Tally {
         Tally { visits, opinion, together: 0, apart: 0, rival: None, minimal_rivals: Vec::new() }
     }
 
-    fn count(&mut self, index: usize, other: &Candidate, is_minimal: bool) {
+    fn count(
+        &mut self,
+        index: usize,
+        other: &Candidate,
+        is_minimal: bool,
+        simplicity: &impl Deref<Target = Simplicity>,
+    ) {
         let one = is_one(other, self.visits);
         *(if one { &mut self.together } else { &mut self.apart }) += 1;
         if one == matches!(self.opinion, Opinion::One { .. }) {
@@ -136,7 +145,7 @@ impl Tally {
         if is_minimal {
             self.minimal_rivals.push(index);
         }
-        let simplicity = other.simplicity();
+        let simplicity = **simplicity;
         if self.rival.as_ref().is_none_or(|rival| simplicity < rival.simplicity) {
             self.rival = Some(Rival { candidate: index, simplicity });
         }

@@ -23,6 +23,9 @@ pub struct Difference {
 pub struct Side {
     /// Its position among the candidates.
     pub candidate: usize,
+    /// Its abnormalities; left out unless the axiom `boundary` is held soft.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub abnormalities: Option<usize>,
     /// The number of its paths.
     pub paths: usize,
     /// The number of its places.
@@ -49,9 +52,10 @@ impl Difference {
     /// The wire form, for the candidates at two positions.
     pub fn of(difference: &explanation::Difference, candidates: [usize; 2]) -> Difference {
         let side = |side: usize| {
-            let Simplicity { paths, places } = difference.simplicity[side];
+            let Simplicity { abnormalities, paths, places } = difference.simplicity[side];
             Side {
                 candidate: candidates[side],
+                abnormalities,
                 paths,
                 places,
                 same_place: Pairs::of(&difference.places[side]),

@@ -84,6 +84,9 @@ pub enum ReasonKind {
 pub struct Rival {
     /// Its position among the candidates.
     pub candidate: usize,
+    /// Its abnormalities; left out unless the axiom `boundary` is held soft.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub abnormalities: Option<usize>,
     /// The number of its paths.
     pub paths: usize,
     /// The number of its places.
@@ -127,6 +130,7 @@ impl Visits {
         };
         let rival = said.rival.as_ref().map(|rival| Rival {
             candidate: rival.candidate,
+            abnormalities: rival.simplicity.abnormalities,
             paths: rival.simplicity.paths,
             places: rival.simplicity.places,
         });

@@ -1,7 +1,10 @@
 //! A candidate's map as a JSON graph.
 
 use crate::abduction::Candidate;
-use crate::map::{BoundSlot, DstateId, Paths, PlaceId, Segment, TopoPath, TopologicalMap};
+use crate::map::{
+    Abnormality, Beside, BoundSlot, Crossing, DstateId, PathRegions, Paths, PlaceId, Regions, Segment,
+    TopoPath, TopologicalMap,
+};
 use crate::trace::wire_star::{WireControl, WireDirection};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -59,6 +62,38 @@ pub struct GraphPath {
     pub places: Vec<usize>,
     /// Whether its last place leads on to the first; never so under the axiom `path-order`.
     pub closed: bool,
+    /// What lies to its left and right, as seen in the direction `+`.
+    pub regions: GraphRegions,
+}
+
+/// The two sides of a path. What the evidence says holds unless it comes by an abnormal path.
+#[derive(Clone, Debug, Serialize, Deserialize, ToSchema)]
+pub struct GraphRegions {
+    /// The places to its left, by number.
+    pub left: Vec<GraphBeside>,
+    /// The places to its right, by number.
+    pub right: Vec<GraphBeside>,
+    /// The paths for which this one is no boundary, as they cross it twice or curl back to it: the fewest without
+    /// which no place is on both sides, or on the path and beside it.
+    pub abnormal: Vec<u32>,
+}
+
+/// A place beside a path.
+#[derive(Clone, Debug, Serialize, Deserialize, ToSchema)]
+pub struct GraphBeside {
+    /// The number of the place.
+    pub place: usize,
+    /// Why it is there.
+    pub evidence: Vec<GraphCrossing>,
+}
+
+/// A path that leaves another to one side.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, ToSchema)]
+pub struct GraphCrossing {
+    /// The number of the place at which it leaves.
+    pub at: usize,
+    /// The number of the path that leaves.
+    pub path: u32,
 }
 
 /// A travelled path segment.
@@ -83,10 +118,12 @@ impl MapGraph {
     /// The graph of a candidate.
     pub fn of(candidate: &Candidate) -> MapGraph {
         let map = candidate.map.as_ref();
-        let paths = Paths::of(map);
+        let (paths, regions) = (Paths::of(map), Regions::of(map));
+        let abnormal = regions.abnormalities();
+        let path = |(path, regions)| GraphPath::of(path, GraphRegions::of(regions, &abnormal));
         MapGraph {
             places: map.places().map(|place| GraphPlace::of(map, &paths, place)).collect(),
-            paths: paths.iter().map(GraphPath::of).collect(),
+            paths: paths.iter().zip(regions.iter()).map(path).collect(),
             segments: map.segments().iter().map(GraphSegment::of).collect(),
             frontier: frontier(map).map(GraphGateway::of).collect(),
             robot: GraphGateway::of(candidate.robot),
@@ -122,8 +159,28 @@ impl GraphDstate {
 }
 
 impl GraphPath {
-    fn of(path: &TopoPath) -> GraphPath {
-        GraphPath { id: path.id.0, places: path.places().map(PlaceId::index).collect(), closed: path.closed }
+    fn of(path: &TopoPath, regions: GraphRegions) -> GraphPath {
+        let places = path.places().map(PlaceId::index).collect();
+        GraphPath { id: path.id.0, places, closed: path.closed, regions }
+    }
+}
+
+impl GraphRegions {
+    fn of(regions: &PathRegions, abnormal: &[Abnormality]) -> GraphRegions {
+        let side = |side: &[Beside]| side.iter().map(GraphBeside::of).collect();
+        let mine = abnormal.iter().filter(|it| it.path == regions.path);
+        GraphRegions {
+            left: side(&regions.left),
+            right: side(&regions.right),
+            abnormal: mine.map(|it| it.carrier.0).collect(),
+        }
+    }
+}
+
+impl GraphBeside {
+    fn of(beside: &Beside) -> GraphBeside {
+        let crossing = |it: &Crossing| GraphCrossing { at: it.at.index(), path: it.carrier.0 };
+        GraphBeside { place: beside.place.index(), evidence: beside.evidence.iter().map(crossing).collect() }
     }
 }
 

@@ -1,10 +1,11 @@
 //! A map in words.
 
-use crate::export::{GraphDstate, GraphPath, GraphPlace, MapGraph};
+use crate::export::{GraphBeside, GraphDstate, GraphPath, GraphPlace, MapGraph};
 use crate::trace::wire_star::{WireControl, WireDirection};
 use std::fmt::Write;
 
-/// The map as lines of text: the places on each path in order, and the star of each place clockwise.
+/// The map as lines of text: the places on each path in order, the star of each place clockwise, and what lies left
+/// and right of each path.
 pub fn map_text(map: &MapGraph) -> String {
     let mut text = String::from("paths, with the places on them in order\n");
     for path in &map.paths {
@@ -16,6 +17,7 @@ pub fn map_text(map: &MapGraph) -> String {
         let slots: Vec<String> = place.dstates.iter().map(slot_text).collect();
         let _ = writeln!(text, "  {:<3} {}", place.id, slots.join("  "));
     }
+    text += &boundaries(map);
     text
 }
 
@@ -40,6 +42,37 @@ pub fn place_type(place: &GraphPlace) -> String {
     ends.sort_unstable();
     ends.dedup();
     if ends == ["open"] { format!("{shape}, open side") } else { shape }
+}
+
+/// The paths that have a place beside them, with these.
+fn boundaries(map: &MapGraph) -> String {
+    let mut text = String::new();
+    for path in
+        map.paths.iter().filter(|path| !path.regions.left.is_empty() || !path.regions.right.is_empty())
+    {
+        let regions = &path.regions;
+        let (left, right) = (numbers(&regions.left), numbers(&regions.right));
+        let _ = write!(text, "  Pa{:<3} left {left}; right {right}", path.id + 1);
+        if !regions.abnormal.is_empty() {
+            let crossed: Vec<String> =
+                regions.abnormal.iter().map(|path| format!("Pa{}", path + 1)).collect();
+            let _ = write!(text, "; no boundary for {}", crossed.join(" "));
+        }
+        text.push('\n');
+    }
+    match text.is_empty() {
+        true => text,
+        false => {
+            format!("\npaths as boundaries, with the places beside them as seen along their order\n{text}")
+        }
+    }
+}
+
+fn numbers(places: &[GraphBeside]) -> String {
+    match places {
+        [] => "-".into(),
+        _ => places.iter().map(|beside| beside.place.to_string()).collect::<Vec<_>>().join(" "),
+    }
 }
 
 fn stops(path: &GraphPath) -> String {

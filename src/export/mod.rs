@@ -24,7 +24,10 @@ pub use explanation::{Explanation, Reason, ReasonKind, Rival, Visits};
 pub use explanation_text::{explanation_text, visits_text};
 pub use extraction::Extraction;
 pub use extraction_svg::extraction_svg;
-pub use graph::{GraphDstate, GraphGateway, GraphPath, GraphPlace, GraphSegment, MapGraph};
+pub use graph::{
+    GraphBeside, GraphCrossing, GraphDstate, GraphGateway, GraphPath, GraphPlace, GraphRegions, GraphSegment,
+    MapGraph,
+};
 pub use layout::Layout;
 pub use map_svg::map_svg;
 pub use map_text::{map_text, place_type};

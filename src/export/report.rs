@@ -24,7 +24,7 @@ pub struct Report {
     pub strategy: Strategy,
     /// The profile that holds exactly these axioms, or `custom`.
     pub profile: String,
-    /// The axioms held.
+    /// The axioms held; all of them refute but `boundary=soft`, which ranks.
     pub axioms: Vec<String>,
     /// Whether every candidate there is was kept.
     pub complete: bool,
@@ -84,6 +84,10 @@ pub struct Preferred {
     pub unique: bool,
     /// Whether no consistent map is known to be simpler.
     pub proven: bool,
+    /// Number of pairs of paths of which one is no boundary for the other, the fewest possible; only where boundaries
+    /// are held soft.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub abnormalities: Option<usize>,
     /// Number of paths, travelled or not.
     pub paths: usize,
     /// Number of places.
@@ -152,7 +156,7 @@ impl Report {
             refuted: refuted(found, axioms),
             strategy: Strategy::BreadthFirst,
             profile: profile_name(found.asked).into(),
-            axioms: axioms.iter().map(|axiom| axiom.name.into()).collect(),
+            axioms: axioms.names().map(str::to_owned).collect(),
             complete: found.complete,
             preferred: Preferred::of(found),
             minimal: found.minimal.iter().map(Candidate::places).collect(),
@@ -173,6 +177,7 @@ impl Preferred {
         Some(Preferred {
             unique: found.unique,
             proven: found.proven,
+            abnormalities: found.simplicity.and_then(|simplicity| simplicity.abnormalities),
             paths: candidate.map.path_count(),
             places: candidate.map.place_count(),
             segments: candidate.map.segment_count(),

@@ -53,3 +53,11 @@ pub(crate) fn face_segments(map: &TopologicalMap, corner: DstateId) -> impl Iter
 pub(crate) fn path_from_end(map: &TopologicalMap, end: DstateId) -> impl Iterator<Item = PlaceId> {
     iter::successors(Some(end), |&outward| map.far_end(map.opposite(outward))).map(|dstate| dstate.place)
 }
+
+/// The places met by travelling on from `ahead` along its path, in their order. A closed path is followed until it
+/// comes back to `ahead`, so that it meets the place of `ahead` too.
+pub(crate) fn places_beyond(map: &TopologicalMap, ahead: DstateId) -> impl Iterator<Item = PlaceId> {
+    let on = move |&far: &DstateId| Some(map.opposite(far)).filter(|&next| next != ahead);
+    iter::successors(map.far_end(ahead), move |far| on(far).and_then(|next| map.far_end(next)))
+        .map(|dstate| dstate.place)
+}

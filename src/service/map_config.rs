@@ -1,6 +1,6 @@
 //! How a map is to be built: chosen once, when it is made.
 
-use crate::abduction::{AxiomError, AxiomSet, Profile};
+use crate::abduction::{AxiomError, AxiomSet, Boundary, Profile};
 use crate::export::Strategy;
 use crate::service::Limits;
 use crate::trace::EventError;
@@ -23,9 +23,11 @@ pub struct MapConfig {
 pub struct WireMapConfig {
     /// A choice of axioms by name; `default` if neither this nor `axioms` is given.
     pub profile: Option<WireProfile>,
+    /// How the axioms of the profile are joined by `boundary`; not at all if left out.
+    pub boundary: Option<WireBoundary>,
     /// How candidates are searched.
     pub strategy: Strategy,
-    /// Exactly these axioms, in place of a profile.
+    /// Exactly these axioms, in place of `profile` and `boundary`.
     pub axioms: Option<Vec<String>>,
     /// The most candidates kept after an observation, the simplest ones.
     #[schema(minimum = 1)]
@@ -43,19 +45,21 @@ pub enum WireProfile {
     Default,
 }
 
+/// How the axiom `boundary` is held: a path divides what is right of it from what is left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[schema(as = Boundary)]
+#[serde(rename_all = "lowercase")]
+pub enum WireBoundary {
+    /// Maps with fewer exceptions are preferred to others.
+    Soft,
+    /// Maps with an exception are refuted.
+    Hard,
+}
+
 impl WireMapConfig {
     /// The choices, or what is wrong with them.
     pub fn config(&self, limits: &Limits) -> Result<MapConfig, EventError> {
-        let axioms = match (self.profile, &self.axioms) {
-            (Some(_), Some(_)) => {
-                return Err(EventError::new("/axioms", "stands beside profile, expected one of the two"));
-            }
-            (profile, None) => AxiomSet::of(profile.unwrap_or(WireProfile::Default).into()),
-            (None, Some(names)) => names
-                .join(",")
-                .parse()
-                .map_err(|error: AxiomError| EventError::new("/axioms", error.to_string()))?,
-        };
+        let axioms = self.axiom_set()?;
         let bound = limits.candidates_per_map;
         let asked = self.max_candidates.map_or(Some(bound), |asked| usize::try_from(asked).ok());
         match asked.filter(|asked| (1..=bound).contains(asked)) {
@@ -63,6 +67,32 @@ impl WireMapConfig {
             None => {
                 Err(EventError::new("/max_candidates", format!("is out of range, expected 1 to {bound}")))
             }
+        }
+    }
+
+    fn axiom_set(&self) -> Result<AxiomSet, EventError> {
+        let Some(names) = &self.axioms else {
+            let profile = AxiomSet::of(self.profile.unwrap_or(WireProfile::Default).into());
+            return Ok(profile.with_boundary(self.boundary.map(Boundary::from)));
+        };
+        if self.profile.is_some() {
+            return Err(EventError::new("/axioms", "stands beside profile, expected one of the two"));
+        }
+        if self.boundary.is_some() {
+            let message =
+                "stands beside axioms, expected boundary=soft or boundary=hard in that list instead";
+            return Err(EventError::new("/boundary", message));
+        }
+        let parsed: Result<AxiomSet, AxiomError> = names.join(",").parse();
+        parsed.map_err(|error| EventError::new("/axioms", error.to_string()))
+    }
+}
+
+impl From<WireBoundary> for Boundary {
+    fn from(boundary: WireBoundary) -> Boundary {
+        match boundary {
+            WireBoundary::Soft => Boundary::Soft,
+            WireBoundary::Hard => Boundary::Hard,
         }
     }
 }

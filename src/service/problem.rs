@@ -226,7 +226,9 @@ impl From<SessionError> for Problem {
             SessionError::Conflict { .. } => Problem::new(ProblemKind::EventConflict, detail),
             SessionError::Full { .. } => Problem::new(ProblemKind::MapFull, detail),
             SessionError::Refused(error) => Problem::at(ProblemKind::MalformedEvent, error.at()),
-            SessionError::Visit(_) | SessionError::Word(_) => Problem::at(ProblemKind::MalformedEvent, EventError::new("", detail)),
+            SessionError::Visit(_) | SessionError::Word(_) => {
+                Problem::at(ProblemKind::MalformedEvent, EventError::new("", detail))
+            }
         }
     }
 }

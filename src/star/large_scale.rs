@@ -102,6 +102,20 @@ impl LargeScaleStar {
         self.slots.len() / 2
     }
 
+    /// The slots to the right of one who faces along `slot`, clockwise: those met before the opposite of `slot`
+    /// (seed, section 4.3). Law: right of `slot` is left of its opposite, and the two sets and the two slots are
+    /// the whole star.
+    pub fn right_of(&self, slot: SlotIndex) -> impl Iterator<Item = SlotIndex> + use<'_> {
+        let opposite = self.slots[slot.0 as usize].opposite;
+        self.from(slot).skip(1).take_while(move |&next| next != opposite)
+    }
+
+    /// The slots to the left of one who faces along `slot`, clockwise: those met after the opposite of `slot`.
+    pub fn left_of(&self, slot: SlotIndex) -> impl Iterator<Item = SlotIndex> + use<'_> {
+        let opposite = self.slots[slot.0 as usize].opposite;
+        self.from(slot).skip_while(move |&next| next != opposite).skip(1)
+    }
+
     /// Whether turning `seen` by `rotation` slots lays it onto this star with order, pairing, control laws and
     /// navigability kept: slot `j` of `seen` is slot `(j + rotation) mod n` of `self`.
     pub fn matches(&self, seen: &LargeScaleStar, rotation: u8) -> bool {
@@ -140,6 +154,12 @@ impl LargeScaleStar {
             LargeSlot { opposite: counted(slot.opposite), ..slot }
         };
         LargeScaleStar { slots: (0..n).map(slot).collect() }
+    }
+
+    /// All slots, clockwise from one of them.
+    fn from(&self, slot: SlotIndex) -> impl Iterator<Item = SlotIndex> + use<'_> {
+        let n = self.slots.len();
+        (0..n).map(move |step| SlotIndex(((slot.0 as usize + step) % n) as u8))
     }
 
     /// All rotations under which `seen` lies on this star, ascending. A symmetric star has several.

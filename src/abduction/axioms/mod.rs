@@ -4,6 +4,7 @@ use crate::abduction::{Axiom, AxiomId};
 
 mod angle;
 mod apart;
+mod boundary;
 mod closure;
 mod determinism;
 mod distance;
@@ -14,12 +15,13 @@ mod travel_moves;
 
 /// The axioms, in the order in which they judge: the first that does not hold is the one that refutes. Position
 /// is [`AxiomId`]'s order. What is cheap to judge comes first, and symbols before metres.
-pub static REGISTRY: [Axiom; 9] = [
+pub static REGISTRY: [Axiom; 10] = [
     determinism::AXIOM,
     star_match::AXIOM,
     travel_moves::AXIOM,
     path_order::AXIOM,
     planarity::AXIOM,
+    boundary::AXIOM,
     distance::AXIOM,
     angle::AXIOM,
     closure::AXIOM,
