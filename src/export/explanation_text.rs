@@ -30,7 +30,7 @@ pub fn explanation_text(explanation: &Explanation, report: &Report) -> String {
 
 /// What a candidate and its rivals say of two visits, as lines of text.
 pub fn visits_text(said: &Visits, report: &Report) -> String {
-    let ([a, b], all) = (said.visits, report.candidates.value);
+    let ([a, b], all) = (said.visits, number(report.candidates));
     let [agree, otherwise] =
         if said.same { [said.together, said.apart] } else { [said.apart, said.together] };
     let mut text = match said.same {
@@ -70,7 +70,8 @@ pub fn visits_text(said: &Visits, report: &Report) -> String {
                 },
             );
         }
-        None => text += "    no candidate says otherwise\n",
+        None if report.complete => text += "    no candidate says otherwise\n",
+        None => text += "    no candidate that was kept says otherwise\n",
     }
     text
 }
