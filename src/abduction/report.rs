@@ -1,6 +1,8 @@
 //! What an abduction has found.
 
-use crate::abduction::{Assertion, AxiomId, AxiomSet, Candidate, Refutations, Simplicity, Word};
+use crate::abduction::{
+    Assertion, AxiomId, AxiomSet, Candidate, Limits, Refutations, Settlement, Simplicity, Strategy, Word,
+};
 use crate::map::CanonicalMap;
 use std::collections::BTreeSet;
 use std::fmt;
@@ -30,6 +32,10 @@ pub struct Report {
     pub unique: bool,
     /// Whether no consistent map is known to be simpler than the minimal ones, or to tie with them unlisted.
     pub proven: bool,
+    /// How candidates were searched.
+    pub strategy: Strategy,
+    /// How far the search for the simplest candidates came, under the strategy that has one.
+    pub settlement: Option<Settlement>,
     /// The axioms asked for.
     pub asked: AxiomSet,
     /// The axioms in force: those asked for, without measured ones where nothing was measured.
@@ -67,6 +73,12 @@ pub enum Relation {
 pub enum StopReason {
     /// All candidates were followed to the last observation.
     Exhausted,
+    /// The simplest candidates are proven to be that; no others were followed.
+    MinimumProven,
+    /// The limit on steps ended the search for the simplest candidates.
+    StepLimit,
+    /// It was told to stop.
+    Interrupted,
     /// The limit on candidates cut the search.
     CandidateLimit {
         /// The first observation at which it did.
@@ -98,6 +110,16 @@ impl Report {
         let maps: BTreeSet<CanonicalMap> =
             self.minimal.iter().map(|candidate| CanonicalMap::of(&candidate.map)).collect();
         maps.len()
+    }
+}
+
+impl StopReason {
+    /// Why a search for the simplest candidates ended without proof.
+    pub(super) fn of_unproven(steps: u64, limits: Limits) -> StopReason {
+        match limits.max_steps.is_some_and(|most| steps >= most) {
+            true => StopReason::StepLimit,
+            false => StopReason::Interrupted,
+        }
     }
 }
 

@@ -57,6 +57,11 @@ impl Revisable {
         Ok(())
     }
 
+    /// As [`Abduction::settle`].
+    pub fn settle(&mut self, interrupted: &dyn Fn() -> bool) {
+        self.now.settle(interrupted);
+    }
+
     /// Takes an assertion in force back. After an error all is as before.
     pub fn retract(&mut self, id: u64) -> Result<(), WordError> {
         let taken = self.undo.iter().position(|undo| undo.id == id).ok_or(WordError::NotInForce(id))?;

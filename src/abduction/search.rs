@@ -1,12 +1,13 @@
-//! The search: breadth-first, so exhaustive unless a limit cuts it.
+//! The search. Breadth-first it is exhaustive unless a limit cuts it; for the other strategy see [`Abduction::settle`].
 
+use crate::abduction::best_first::BestFirst;
 use crate::abduction::candidate::{Assignment, Candidate};
 use crate::abduction::children::{Child, Extension, Seen, turned};
 use crate::abduction::kept::Kept;
 use crate::abduction::tree::{Node, Tree};
 use crate::abduction::{
-    Assertion, AxiomSet, Count, Evidence, Extinction, Refutations, Report, Simplicity, StopReason, Visit,
-    VisitError, Word, WordError,
+    Assertion, AxiomSet, Count, Evidence, Extinction, Refutations, Report, Settlement, Simplicity,
+    StopReason, Strategy, Visit, VisitError, Word, WordError,
 };
 use crate::map::{DstateId, PlaceId, StarTable, TopologicalMap};
 use std::sync::Arc;
@@ -19,17 +20,21 @@ use std::sync::Arc;
 /// section 4.4).
 #[derive(Clone, Debug)]
 pub struct Abduction {
-    axioms: AxiomSet,
-    limits: Limits,
-    stars: Arc<StarTable>,
-    evidence: Option<Arc<dyn Evidence>>,
-    visits: Vec<Arc<Visit>>,
-    word: Word,
-    tree: Tree,
+    pub(super) axioms: AxiomSet,
+    pub(super) strategy: Strategy,
+    pub(super) limits: Limits,
+    pub(super) stars: Arc<StarTable>,
+    pub(super) evidence: Option<Arc<dyn Evidence>>,
+    pub(super) visits: Vec<Arc<Visit>>,
+    pub(super) word: Word,
+    pub(super) tree: Tree,
     /// The maps of the tree's leaves.
-    maps: Arc<Vec<Arc<TopologicalMap>>>,
-    maps_created: u64,
-    refuted: Vec<Refutations>,
+    pub(super) maps: Arc<Vec<Arc<TopologicalMap>>>,
+    pub(super) maps_created: u64,
+    /// By observation; of all together under the strategy that does not go by observations.
+    pub(super) refuted: Vec<Refutations>,
+    /// The search for the simplest candidates, once it was asked for; or what refuted all at once.
+    pub(super) minimum: Option<Arc<Result<BestFirst, Refutations>>>,
     first_cut: Option<usize>,
 }
 
@@ -38,6 +43,8 @@ pub struct Abduction {
 pub struct Limits {
     /// The most candidates kept after an observation: the simplest, and of equally simple ones the first by visits.
     pub max_candidates: Option<usize>,
+    /// The most partial explanations that a search for the simplest candidates looks at.
+    pub max_steps: Option<u64>,
 }
 
 impl Abduction {
@@ -45,6 +52,7 @@ impl Abduction {
     pub fn new(axioms: AxiomSet, limits: Limits) -> Self {
         Abduction {
             axioms,
+            strategy: Strategy::BreadthFirst,
             limits,
             stars: Arc::default(),
             evidence: None,
@@ -54,6 +62,7 @@ impl Abduction {
             maps: Arc::default(),
             maps_created: 0,
             refuted: Vec::new(),
+            minimum: None,
             first_cut: None,
         }
     }
@@ -76,13 +85,14 @@ impl Abduction {
         evidence: Option<Arc<dyn Evidence>>,
     ) -> Result<(), VisitError> {
         visit.check(self.visits.last().map(|visit| &visit.star))?;
-        if self.tree.depth() == PlaceId::LIMIT {
+        if self.visits.len() == PlaceId::LIMIT {
             return Err(VisitError::TooMany);
         }
         let star = self.stars.intern(&visit.star).ok_or(VisitError::TooMany)?;
         self.stars = Arc::clone(&star.table);
         self.evidence = evidence;
         match visit.departure {
+            _ if self.strategy == Strategy::BestFirst => self.unsettle(),
             None => {
                 let child = Child {
                     map: Arc::new(TopologicalMap::first(&star)),
@@ -105,13 +115,15 @@ impl Abduction {
     pub fn assert(&mut self, assertion: Assertion) -> Result<(), WordError> {
         self.word.check(&assertion, self.observations())?;
         self.word.add(assertion);
+        if self.strategy == Strategy::BestFirst {
+            self.unsettle();
+            return Ok(());
+        }
         let allowed = |leaf: usize| assertion.allows(&self.tree.assignments(leaf));
         let keep: Vec<bool> = (0..self.len()).map(allowed).collect();
         let refuted = keep.iter().filter(|&&keep| !keep).count();
         if refuted > 0 {
-            self.tree.prune(&keep);
-            let kept = self.maps.iter().zip(&keep).filter(|&(_, &keep)| keep);
-            self.maps = Arc::new(kept.map(|(map, _)| Arc::clone(map)).collect());
+            self.retain(&keep);
             if let Some(latest) = self.refuted.last_mut() {
                 latest.count_operator(refuted as u64);
             }
@@ -136,7 +148,7 @@ impl Abduction {
 
     /// The number of observations.
     pub fn observations(&self) -> usize {
-        self.tree.depth()
+        self.visits.len()
     }
 
     /// The number of candidates kept.
@@ -151,7 +163,10 @@ impl Abduction {
 
     /// Whether every candidate there is was kept.
     pub fn is_complete(&self) -> bool {
-        self.first_cut.is_none()
+        match self.settlement() {
+            Some(settlement) => settlement.proven && self.is_empty(),
+            None => self.strategy == Strategy::BreadthFirst && self.first_cut.is_none(),
+        }
     }
 
     /// The candidate at a position in the order of assignments. Linear in the observations.
@@ -177,7 +192,10 @@ impl Abduction {
     /// What is found so far. Linear in candidates and observations.
     pub fn report(&self) -> Report {
         let exact_at = |observation: usize| self.first_cut.is_none_or(|cut| observation < cut);
-        let complete = self.first_cut.is_none();
+        let complete = self.is_complete();
+        let settlement = self.settlement();
+        let proven = settlement.map_or(complete, |settlement| settlement.proven);
+        let exact_at = |observation: usize| exact_at(observation) && self.strategy == Strategy::BreadthFirst;
         let minimal: Vec<Candidate> =
             self.minimal().into_iter().filter_map(|index| self.candidate(index)).collect();
         let widths = self.tree.widths().enumerate();
@@ -190,9 +208,11 @@ impl Abduction {
             refuted: self.refuted.iter().copied().sum(),
             refuted_per_observation: self.refuted.clone(),
             simplicity: minimal.first().map(|candidate| candidate.simplicity(self.axioms)),
-            unique: complete && minimal.len() == 1,
+            unique: proven && minimal.len() == 1,
             minimal,
-            proven: complete,
+            proven,
+            strategy: self.strategy,
+            settlement,
             asked: self.axioms,
             in_force: self.axioms(),
             complete,
@@ -200,6 +220,19 @@ impl Abduction {
             word: self.word.clone(),
             extinction: self.extinction(),
         }
+    }
+
+    /// Drops the leaves that are not to be kept.
+    pub(super) fn retain(&mut self, keep: &[bool]) {
+        self.tree.prune(keep);
+        let kept = self.maps.iter().zip(keep).filter(|&(_, &keep)| keep);
+        self.maps = Arc::new(kept.map(|(map, _)| Arc::clone(map)).collect());
+    }
+
+    /// Holds nothing until it is settled anew.
+    fn unsettle(&mut self) {
+        (self.tree, self.maps, self.minimum) = (Tree::default(), Arc::default(), None);
+        (self.maps_created, self.refuted) = (0, Vec::new());
     }
 
     fn extend(&mut self, seen: &Seen) {
@@ -228,16 +261,27 @@ impl Abduction {
     }
 
     fn stop_reason(&self) -> StopReason {
-        match (self.first_cut, self.extinction()) {
-            (Some(observation), _) => StopReason::CandidateLimit { observation },
-            (None, Some(Extinction { observation, .. })) => StopReason::Inconsistent { observation },
-            (None, None) => StopReason::Exhausted,
+        match (self.first_cut, self.settlement(), self.extinction()) {
+            (Some(observation), ..) => StopReason::CandidateLimit { observation },
+            (None, _, Some(Extinction { observation, .. })) => StopReason::Inconsistent { observation },
+            (None, Some(Settlement { proven: true, .. }), None) => StopReason::MinimumProven,
+            (None, Some(Settlement { steps, .. }), None) => StopReason::of_unproven(steps, self.limits),
+            (None, None, None) if self.strategy == Strategy::BestFirst => StopReason::Interrupted,
+            (None, None, None) => StopReason::Exhausted,
+        }
+    }
+
+    /// The observation that nothing explains; by the strategy that does not go by observations, the latest.
+    fn extinct_at(&self) -> Option<usize> {
+        match self.settlement() {
+            Some(settlement) => (settlement.proven && self.is_empty()).then(|| self.visits.len() - 1),
+            None => self.tree.widths().position(|width| width == 0),
         }
     }
 
     fn extinction(&self) -> Option<Extinction> {
-        let observation = self.tree.widths().position(|width| width == 0)?;
-        let refuted = &self.refuted[observation];
+        let observation = self.extinct_at()?;
+        let refuted = self.refuted.get(observation).or(self.refuted.last())?;
         if refuted.by_operator() == 0 {
             let axioms = refuted.iter().map(|(id, _)| id).collect();
             return Some(Extinction { observation, axioms, assertions: Vec::new() });

@@ -1,19 +1,19 @@
 //! `topostar map`: a trace in, the preferred map and the number of maps still possible out.
 
-use crate::abduction::{Abduction, AxiomSet, Boundary, Profile, Report, StopReason};
+use crate::abduction::{Abduction, AxiomSet, Boundary, Profile, Report, StopReason, Strategy};
+use crate::cli::asked::{Asked, Said};
 use crate::cli::failure::Failure;
 use crate::cli::input::{Events, read_events};
 use crate::export::{self, Explanation, MapGraph, explanation_text, map_svg, map_text, visits_text};
 use crate::service::{Limits, MapConfig, Session, SessionError};
-use crate::trace::{Assert, Event, EventKind, write_event};
+use crate::trace::{Event, EventKind, write_event};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::fs;
 use std::io::{Write, stdout};
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Find all maps that explain a trace, and the simplest.
 #[derive(Debug, Args)]
@@ -49,6 +49,12 @@ pub(super) struct Map {
     /// The most candidates kept after an observation, the simplest ones; counts say when this cut the search.
     #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
     max_candidates: u64,
+    /// With --strategy best-first: the most partial explanations looked at.
+    #[arg(long, value_name = "N")]
+    max_steps: Option<u64>,
+    /// With --strategy best-first: the longest search, in seconds; what was found by then is shown.
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    max_seconds: Option<f64>,
     /// Print the report as one JSON object.
     #[arg(long)]
     json: bool,
@@ -84,53 +90,21 @@ enum BoundaryName {
 enum StrategyName {
     /// All candidates, one observation after the other: exhaustive.
     BreadthFirst,
+    /// The simplest maps alone, and the proof that none is simpler.
+    BestFirst,
 }
 
-/// What is to be explained.
-#[derive(Clone, Copy, Debug)]
-enum Asked {
-    /// The preferred map.
-    All,
-    /// Two observations.
-    Visits([usize; 2]),
-}
-
-impl FromStr for Asked {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        if text.is_empty() {
-            return Ok(Asked::All);
+impl From<StrategyName> for Strategy {
+    fn from(name: StrategyName) -> Strategy {
+        match name {
+            StrategyName::BreadthFirst => Strategy::BreadthFirst,
+            StrategyName::BestFirst => Strategy::BestFirst,
         }
-        let pair = text.split_once(',').and_then(|(a, b)| Some([a.parse().ok()?, b.parse().ok()?]));
-        pair.map(Asked::Visits).ok_or_else(|| "expected two observations, counted from 0, as 0,8".into())
-    }
-}
-
-/// An operator's word.
-#[derive(Clone, Copy, Debug)]
-struct Said(Assert);
-
-impl FromStr for Said {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let (pair, same) = match text.split_once("!=") {
-            Some(pair) => (Some(pair), false),
-            None => (text.split_once('='), true),
-        };
-        let visits = pair.and_then(|(a, b)| Some([a.parse().ok()?, b.parse().ok()?]));
-        let said = visits.map(|visits| Said(Assert { visits, same }));
-        said.ok_or_else(|| "expected two observations, counted from 0, as 0=8 or 3!=5".into())
     }
 }
 
 impl Map {
     pub(super) fn run(self) -> Result<(), Failure> {
-        // Exhaustive search is the only one there is so far; the match makes the next one be thought of here.
-        match self.strategy {
-            StrategyName::BreadthFirst => {}
-        }
         let started = Instant::now();
         let input = read_events(&self.input, self.visits.as_deref())?;
         let boundary = self.boundary.map(Boundary::from);
@@ -157,7 +131,8 @@ impl Map {
         let max_candidates = usize::try_from(self.max_candidates).unwrap_or(usize::MAX);
         // What one process reads for one user is bounded by the input itself.
         let limits = Limits { events_per_map: usize::MAX, cells_per_map: usize::MAX, ..Limits::default() };
-        let mut session = Session::new(MapConfig { axioms, max_candidates }, limits);
+        let (strategy, max_steps) = (self.strategy.into(), self.max_steps);
+        let mut session = Session::new(MapConfig { axioms, strategy, max_candidates, max_steps }, limits);
         let bar = progress(input.events.len());
         let (mut events, mut fault) = (Vec::new(), input.fault);
         for (place, event) in input.events {
@@ -170,7 +145,6 @@ impl Map {
             bar.inc(1);
             bar.set_message(format!("{} candidates", session.abduction().len()));
         }
-        bar.finish_and_clear();
         for &Said(said) in &self.asserts {
             let event =
                 Arc::new(Event { seq: session.next_seq(), stamp: None, kind: EventKind::Assert(said) });
@@ -178,6 +152,9 @@ impl Map {
             session.accept(&event).map_err(usage)?;
             events.push(event);
         }
+        let deadline = self.max_seconds.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds));
+        session.settle(&|| deadline.is_some_and(|deadline| Instant::now() >= deadline));
+        bar.finish_and_clear();
         Ok(Explained { events, session, fault })
     }
 
@@ -332,9 +309,25 @@ fn write_files(
     Ok(())
 }
 
+/// A number of seconds on the command line.
+fn seconds(text: &str) -> Result<f64, String> {
+    let seconds: f64 = text.parse().map_err(|_| format!("`{text}` is no number, expected seconds"))?;
+    match (0.0..=1e9).contains(&seconds) {
+        true => Ok(seconds),
+        false => Err(format!("{seconds} is out of range, expected 0 to 1e9 seconds")),
+    }
+}
+
 fn verdict(report: &Report) -> Result<(), Failure> {
     match report.stop_reason {
-        StopReason::Exhausted => Ok(()),
+        StopReason::Exhausted | StopReason::MinimumProven => Ok(()),
+        StopReason::StepLimit | StopReason::Interrupted => {
+            let limit =
+                if report.stop_reason == StopReason::StepLimit { "--max-steps" } else { "--max-seconds" };
+            Err(Failure::Limit(format!(
+                "{limit} ended the search: the preferred map is the simplest found, not proven to be the simplest"
+            )))
+        }
         StopReason::CandidateLimit { observation } => Err(Failure::Limit(format!(
             "--max-candidates cut the search at observation {observation}: counts from there on are lower bounds"
         ))),

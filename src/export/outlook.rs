@@ -16,7 +16,9 @@ pub struct Outlook {
     pub robot: GraphGateway,
     /// How many candidates there are to tell apart.
     pub candidates: Count,
-    /// What each gateway promises.
+    /// How many gateways can be reached.
+    pub total: usize,
+    /// What each of the best promises.
     pub gateways: Vec<Prospect>,
 }
 
@@ -65,14 +67,20 @@ pub struct PredictedSlot {
 }
 
 impl Outlook {
-    /// The wire form.
-    pub fn of(outlook: &explanation::Outlook) -> Outlook {
+    /// The wire form, with so many gateways at most.
+    pub fn of(outlook: &explanation::Outlook, limit: usize) -> Outlook {
         let candidates = outlook.candidates.value;
         Outlook {
             candidate: outlook.candidate,
             robot: GraphGateway::of(outlook.robot),
             candidates: outlook.candidates.into(),
-            gateways: outlook.prospects.iter().map(|prospect| Prospect::of(prospect, candidates)).collect(),
+            total: outlook.prospects.len(),
+            gateways: outlook
+                .prospects
+                .iter()
+                .take(limit)
+                .map(|prospect| Prospect::of(prospect, candidates))
+                .collect(),
         }
     }
 }

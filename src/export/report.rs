@@ -22,6 +22,12 @@ pub struct Report {
     pub refuted: BTreeMap<String, u64>,
     /// How the candidates were searched.
     pub strategy: Strategy,
+    /// Partial explanations looked at, under the strategy `best-first`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub steps: Option<u64>,
+    /// No map is simpler than this, under the strategy `best-first`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bound: Option<Bound>,
     /// The profile that holds exactly these axioms, or `custom`.
     pub profile: String,
     /// The axioms held; all of them refute but `boundary=soft`, which ranks.
@@ -75,6 +81,35 @@ pub enum Strategy {
     /// All candidates, one observation after the other: exhaustive.
     #[default]
     BreadthFirst,
+    /// The simplest candidates alone, and the proof that none is simpler.
+    BestFirst,
+}
+
+/// How simple any map is at best that a search has not ruled out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct Bound {
+    /// The number of paths.
+    pub paths: usize,
+    /// The number of places of a map of so many paths.
+    pub places: usize,
+}
+
+impl From<abduction::Strategy> for Strategy {
+    fn from(strategy: abduction::Strategy) -> Strategy {
+        match strategy {
+            abduction::Strategy::BreadthFirst => Strategy::BreadthFirst,
+            abduction::Strategy::BestFirst => Strategy::BestFirst,
+        }
+    }
+}
+
+impl From<Strategy> for abduction::Strategy {
+    fn from(strategy: Strategy) -> abduction::Strategy {
+        match strategy {
+            Strategy::BreadthFirst => abduction::Strategy::BreadthFirst,
+            Strategy::BestFirst => abduction::Strategy::BestFirst,
+        }
+    }
 }
 
 /// The simplest map.
@@ -106,6 +141,12 @@ pub struct Preferred {
 pub enum StopReason {
     /// The limit on candidates cut the search.
     CandidateLimit,
+    /// The simplest candidates are proven to be that; no others were followed.
+    MinimumProven,
+    /// The limit on steps ended the search for the simplest candidates.
+    StepLimit,
+    /// The time was up.
+    Interrupted,
     /// No candidate is left: the axioms do not allow the trace.
     Inconsistent,
 }
@@ -154,7 +195,9 @@ impl Report {
                 .collect(),
             maps_created: found.maps_created.value,
             refuted: refuted(found, axioms),
-            strategy: Strategy::BreadthFirst,
+            strategy: found.strategy.into(),
+            steps: found.settlement.map(|settlement| settlement.steps),
+            bound: found.settlement.and_then(|settlement| settlement.bound).map(Bound::of),
             profile: profile_name(found.asked).into(),
             axioms: axioms.names().map(str::to_owned).collect(),
             complete: found.complete,
@@ -187,11 +230,20 @@ impl Preferred {
     }
 }
 
+impl Bound {
+    fn of(bound: abduction::Simplicity) -> Bound {
+        Bound { paths: bound.paths, places: bound.places }
+    }
+}
+
 impl StopReason {
     /// Why it ended early, if it did.
     pub fn of(reason: abduction::StopReason) -> Option<StopReason> {
         match reason {
             abduction::StopReason::Exhausted => None,
+            abduction::StopReason::MinimumProven => Some(StopReason::MinimumProven),
+            abduction::StopReason::StepLimit => Some(StopReason::StepLimit),
+            abduction::StopReason::Interrupted => Some(StopReason::Interrupted),
             abduction::StopReason::CandidateLimit { .. } => Some(StopReason::CandidateLimit),
             abduction::StopReason::Inconsistent { .. } => Some(StopReason::Inconsistent),
         }

@@ -13,6 +13,9 @@ pub struct Limits {
     pub cells_per_map: usize,
     /// The most candidates a map may keep, and the number kept unless its configuration asks for fewer.
     pub candidates_per_map: usize,
+    /// The most partial explanations that a search for the simplest candidates alone looks at after a batch of
+    /// events.
+    pub steps_per_map: u64,
     /// Bytes of a configuration.
     pub config_bytes: usize,
     /// Bytes of a JSON body of events. An NDJSON body is bounded by its lines only.
@@ -28,6 +31,7 @@ impl Default for Limits {
             events_per_map: 100_000,
             cells_per_map: 64 * 1024 * 1024,
             candidates_per_map: 20_000,
+            steps_per_map: 100_000,
             config_bytes: 64 * 1024,
             json_bytes: 64 * 1024 * 1024,
             line_bytes: MAX_LINE as usize,

@@ -1,7 +1,7 @@
 //! How a map is to be built: chosen once, when it is made.
 
-use crate::abduction::{AxiomError, AxiomSet, Boundary, Profile};
-use crate::export::Strategy;
+use crate::abduction::{AxiomError, AxiomSet, Boundary, Profile, Strategy};
+use crate::export;
 use crate::service::Limits;
 use crate::trace::EventError;
 use serde::{Deserialize, Serialize};
@@ -12,8 +12,12 @@ use utoipa::ToSchema;
 pub struct MapConfig {
     /// The axioms that candidates obey.
     pub axioms: AxiomSet,
+    /// How candidates are searched.
+    pub strategy: Strategy,
     /// The most candidates kept after an observation.
     pub max_candidates: usize,
+    /// The most partial explanations looked at for the simplest candidates.
+    pub max_steps: Option<u64>,
 }
 
 /// How a map is to be built. Every field may be left out.
@@ -26,7 +30,7 @@ pub struct WireMapConfig {
     /// How the axioms of the profile are joined by `boundary`; not at all if left out.
     pub boundary: Option<WireBoundary>,
     /// How candidates are searched.
-    pub strategy: Strategy,
+    pub strategy: export::Strategy,
     /// Exactly these axioms, in place of `profile` and `boundary`.
     pub axioms: Option<Vec<String>>,
     /// The most candidates kept after an observation, the simplest ones.
@@ -63,7 +67,10 @@ impl WireMapConfig {
         let bound = limits.candidates_per_map;
         let asked = self.max_candidates.map_or(Some(bound), |asked| usize::try_from(asked).ok());
         match asked.filter(|asked| (1..=bound).contains(asked)) {
-            Some(max_candidates) => Ok(MapConfig { axioms, max_candidates }),
+            Some(max_candidates) => {
+                let (strategy, max_steps) = (self.strategy.into(), Some(limits.steps_per_map));
+                Ok(MapConfig { axioms, strategy, max_candidates, max_steps })
+            }
             None => {
                 Err(EventError::new("/max_candidates", format!("is out of range, expected 1 to {bound}")))
             }

@@ -101,6 +101,7 @@ impl Maps {
             None => self.replay(name)?,
         };
         let taken = Intake::take(&mut session, batch);
+        session.settle(&|| false);
         if !taken.new.is_empty() {
             self.store.append(name, &taken.new)?;
         }
@@ -124,7 +125,9 @@ impl Maps {
 
     fn replay(&self, name: &MapName) -> Result<Session, MapsError> {
         let stored = self.store.load(name)?.ok_or_else(|| MapsError::Unknown(name.clone()))?;
-        Ok(Session::replay(stored.config, self.limits, &stored.events)?)
+        let mut session = Session::replay(stored.config, self.limits, &stored.events)?;
+        session.settle(&|| false);
+        Ok(session)
     }
 
     /// Every change is one insertion, so a panic elsewhere cannot leave the maps half changed.

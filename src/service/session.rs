@@ -3,7 +3,7 @@
 //! It takes events one by one. What it cannot take leaves it unchanged, what it has taken before it takes
 //! again without effect, and the same events always give the same state, however they arrived.
 
-use crate::abduction::{self, Abduction, Assertion, Revisable, Visit, VisitError, WordError};
+use crate::abduction::{self, Abduction, Assertion, Revisable, Strategy, Visit, VisitError, WordError};
 use crate::lpm::Lpm;
 use crate::service::{Limits, MapConfig};
 use crate::star::PerceptionParameters;
@@ -71,12 +71,17 @@ pub enum SessionError {
 impl Session {
     /// A session before its first event.
     pub fn new(config: MapConfig, limits: Limits) -> Self {
-        let search = abduction::Limits { max_candidates: Some(config.max_candidates) };
+        let search =
+            abduction::Limits { max_candidates: Some(config.max_candidates), max_steps: config.max_steps };
+        let abduction = match config.strategy {
+            Strategy::BreadthFirst => Abduction::new(config.axioms, search),
+            Strategy::BestFirst => Abduction::best_first(config.axioms, search),
+        };
         Session {
             config,
             limits,
             experience: Experience::new(),
-            abduction: Revisable::new(Abduction::new(config.axioms, search)),
+            abduction: Revisable::new(abduction),
             events: Vec::new(),
             cells: 0,
         }
@@ -113,6 +118,11 @@ impl Session {
         self.cells = cells;
         self.events.push(Arc::clone(event));
         Ok(Accepted::New)
+    }
+
+    /// Finds the simplest candidates, where the strategy leaves that to the end; see [`Abduction::settle`].
+    pub fn settle(&mut self, interrupted: &dyn Fn() -> bool) {
+        self.abduction.settle(interrupted);
     }
 
     /// How the map is built.

@@ -105,6 +105,27 @@ impl<S: Send + Sync> FromRequestParts<S> for PageQuery {
     }
 }
 
+/// How many gateways.
+#[derive(Clone, Copy, Debug, Deserialize, IntoParams)]
+#[into_params(parameter_in = Query)]
+#[serde(deny_unknown_fields)]
+pub(super) struct NextQuery {
+    /// The most gateways, the best ones.
+    #[serde(default = "default_limit")]
+    #[param(default = 20, minimum = 1, maximum = 1000)]
+    pub(super) limit: usize,
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for NextQuery {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let query: NextQuery = query(parts, state).await?;
+        within("limit", query.limit, 1, MAX_PAGE)?;
+        Ok(query)
+    }
+}
+
 /// The most observations below a node of the tree, and the most children of a node.
 const MAX_DEPTH: usize = 16;
 const MAX_WIDTH: usize = 100;

@@ -5,7 +5,9 @@ use crate::export::{Difference, Explanation, Outlook, TreeExtent, TreeNode};
 use crate::service::http::answer::Representation;
 use crate::service::http::candidates::{none_left, preferred};
 use crate::service::http::cursor::Cursor;
-use crate::service::http::extract::{CandidatePair, CandidatePath, MapPath, TreeQuery, VisitsQuery};
+use crate::service::http::extract::{
+    CandidatePair, CandidatePath, MapPath, NextQuery, TreeQuery, VisitsQuery,
+};
 use crate::service::problem::{Problem, ProblemKind};
 use crate::service::{Maps, View};
 use axum::extract::State;
@@ -157,12 +159,14 @@ pub(super) async fn get_difference(
     get, path = "/v1/maps/{map}/next", tag = "reasons", operation_id = "get_next",
     params(
         ("map" = String, Path, description = "Name of the map"),
+        NextQuery,
         ("If-None-Match" = Option<String>, Header, description = "ETag of the answer the client has"),
     ),
     responses(
         (status = 200, description = "Gateways, best first", body = Outlook,
             headers(("ETag" = String, description = "Changes with the answer"))),
         (status = 304, description = "The answer has not changed"),
+        (status = 400, description = "The query is wrong"),
         (status = 404, description = "No such map, no observation in it, or nothing explains its events"),
         (status = 422, description = "The name is not one"),
     )
@@ -170,12 +174,13 @@ pub(super) async fn get_difference(
 pub(super) async fn get_next(
     State(maps): State<Maps>,
     MapPath(name): MapPath,
+    NextQuery { limit }: NextQuery,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     let view = maps.view(&name).await?;
     let read = move || {
         let found = outlook(&view.abduction, preferred(&view)?).ok_or_else(|| none_left(&view))?;
-        Representation::of(&Outlook::of(&found))
+        Representation::of(&Outlook::of(&found, limit))
     };
     Ok(maps.read(read).await??.answer(&headers))
 }

@@ -40,8 +40,8 @@ async fn reasons() {
     for (path, name) in [
         ("candidates/preferred/explain?visits=0,8", "explain.json"),
         ("candidates/preferred/diff/13", "diff.json"),
-        ("tree?observation=3&depth=1&ended=true", "tree.json"),
-        ("next", "next.json"),
+        ("tree?observation=3&depth=2&limit=2&ended=true", "tree.json"),
+        ("next?limit=2", "next.json"),
     ] {
         assert_answer(&client.get(&format!("/v1/maps/aces/{path}")).await, name);
     }

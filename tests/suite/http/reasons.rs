@@ -186,10 +186,16 @@ async fn a_wrong_part_of_the_tree_is_refused() {
 #[tokio::test]
 async fn every_gateway_has_an_outlook_and_the_best_is_first() {
     let client = aces("").await;
-    let next = client.get("/v1/maps/aces/next").await.json();
+    let next = client.get("/v1/maps/aces/next?limit=1000").await.json();
     let graph = client.get("/v1/maps/aces/candidates/preferred/graph").await.json();
     assert_eq!((&next["robot"], &next["candidates"]["value"]), (&graph["robot"], &json!(23)));
     let gateways = next["gateways"].as_array().unwrap();
+    assert_eq!(next["total"], json!(gateways.len()));
+    let best = client.get("/v1/maps/aces/next?limit=2").await.json();
+    assert_eq!(best["gateways"], json!(gateways[..2]));
+    for query in ["limit=0", "limit=1001", "most=3"] {
+        client.get(&format!("/v1/maps/aces/next?{query}")).await.problem(400, "invalid-query");
+    }
     let unexplored = gateways.iter().filter(|it| it["explored"] == false).count();
     assert_eq!(unexplored, graph["frontier"].as_array().unwrap().len());
     assert!(

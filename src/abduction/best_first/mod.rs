@@ -1,0 +1,328 @@
+//! The simplest maps, without all the others.
+//!
+//! A search over *which visits are one place*, depth first with the most promising decision first, under a bound:
+//! branch and bound (Land and Doig 1960). It differs from the breadth-first search in what it extends: not a map by
+//! the next observation, but the whole walk by one more decision about one class of visits, and all that
+//! follows from it ([`Quotient`]). So the class with the fewest ways left is decided first, whenever it was visited (the fail-first
+//! principle, Haralick and Elliott 1980), and a wrong closure falls when it is made and not when the robot comes by again.
+//! The idea is that of learning the smallest automaton from a trace by merging states and folding (Lang, Pearlmutter and Price
+//! 1998); the clique bound is that of Heule and Verwer 2010.
+//!
+//! Axioms that folding does not know (boundaries, measurements, the operator's word) are judged by the registry, on the
+//! beginning of the walk that is decided; the walk is then decided in its order. Every map found is judged by the
+//! registry from its first observation on, so that folding can only ever save work.
+
+mod bound;
+mod faces;
+mod quotient;
+mod trailed;
+mod walk;
+
+use crate::abduction::{
+    Assignment, Axiom, AxiomId, AxiomSet, Boundary, Evidence, Refutations, Simplicity, Visit, Word, judge,
+};
+use crate::map::PlaceId;
+use bound::bound;
+use faces::planar;
+use quotient::{Mark, Quotient};
+use std::cmp::Reverse;
+use std::sync::Arc;
+use walk::Walk;
+
+/// The axioms that folding keeps by itself, `planarity` on what is settled among them.
+const FOLDED: [AxiomId; 5] =
+    [AxiomId::Determinism, AxiomId::StarMatch, AxiomId::TravelMoves, AxiomId::PathOrder, AxiomId::Planarity];
+
+/// A search for the simplest maps of one experience. It can stop at any time and go on later.
+#[derive(Clone, Debug)]
+pub(super) struct BestFirst {
+    experience: Arc<Experience>,
+    walk: Arc<Walk>,
+    quotient: Quotient,
+    agenda: Vec<Decision>,
+    found: Minimal,
+    effort: Effort,
+    /// Whether the walk is decided in its order, as some axioms are judged on its beginning.
+    in_order: bool,
+}
+
+/// What is to be explained, and under which laws.
+#[derive(Clone, Debug)]
+pub(super) struct Experience {
+    pub(super) visits: Vec<Arc<Visit>>,
+    pub(super) evidence: Option<Arc<dyn Evidence>>,
+    pub(super) axioms: AxiomSet,
+    pub(super) word: Word,
+}
+
+/// The simplest candidates found.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Minimal {
+    pub(super) simplicity: Option<Simplicity>,
+    /// Their assignments, in no order.
+    pub(super) candidates: Vec<Vec<Assignment>>,
+    /// Whether some as simple were left out.
+    pub(super) cut: bool,
+}
+
+/// What a search has done; none of it depends on the machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Effort {
+    /// Quotients looked at.
+    pub(super) steps: u64,
+    /// Quotients made that no axiom refuted.
+    pub(super) made: u64,
+    pub(super) refuted: Refutations,
+}
+
+/// When to stop.
+pub(super) struct Budget<'a> {
+    /// After so many steps in all.
+    pub(super) steps: Option<u64>,
+    /// The most candidates kept of those that are equally simple.
+    pub(super) candidates: Option<usize>,
+    /// Asked now and then.
+    pub(super) interrupted: &'a dyn Fn() -> bool,
+}
+
+/// What one class is to be: each way that is left, the last first.
+#[derive(Clone, Debug)]
+struct Decision {
+    class: usize,
+    ways: Vec<Way>,
+    settled: Vec<usize>,
+    mark: Mark,
+    bound: Simplicity,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Way {
+    Merged { onto: usize, rotation: usize },
+    New,
+}
+
+impl BestFirst {
+    /// A search that has not begun, or the axiom that the walk breaks however it is explained. Quadratic in the
+    /// visits times folding, as it asks of every two visits whether they might be one place.
+    pub(super) fn new(experience: Experience) -> Result<BestFirst, AxiomId> {
+        let walk = Walk::new(&experience.visits);
+        let quotient = Quotient::of(&walk, experience.axioms)?;
+        let known = |axiom: &Axiom| FOLDED.contains(&axiom.id);
+        let in_order = !experience.word.is_empty() || !experience.axioms.iter().all(known);
+        let mut search = BestFirst {
+            experience: Arc::new(experience),
+            walk: Arc::new(walk),
+            quotient,
+            agenda: Vec::new(),
+            found: Minimal::default(),
+            effort: Effort::default(),
+            in_order,
+        };
+        search.tell_apart();
+        search.look();
+        Ok(search)
+    }
+
+    /// Goes on until all is decided or the budget is used up.
+    pub(super) fn run(&mut self, budget: &Budget<'_>) {
+        while let Some(decision) = self.agenda.last_mut() {
+            let spent = budget.steps.is_some_and(|steps| self.effort.steps >= steps);
+            if spent || (budget.interrupted)() {
+                return;
+            }
+            self.quotient.undo(decision.mark);
+            let hopeless = self.found.simplicity.is_some_and(|least| decision.bound > least);
+            match decision.ways.pop().filter(|_| !hopeless) {
+                None => drop(self.agenda.pop()),
+                Some(way) => {
+                    self.take(way);
+                    self.look();
+                    self.found.cut_to(budget.candidates);
+                }
+            }
+        }
+    }
+
+    /// What was found.
+    pub(super) fn found(&self) -> &Minimal {
+        &self.found
+    }
+
+    /// What was done.
+    pub(super) fn effort(&self) -> Effort {
+        self.effort
+    }
+
+    /// Whether no simpler candidate is left to be found, nor another as simple.
+    pub(super) fn is_done(&self) -> bool {
+        let open = |decision: &Decision| self.found.simplicity.is_none_or(|least| decision.bound <= least);
+        !self.agenda.iter().any(|decision| !decision.ways.is_empty() && open(decision))
+    }
+
+    /// How simple the simplest map is at best: of all that is found or left open, the least bound.
+    pub(super) fn bound(&self) -> Option<Simplicity> {
+        let open = self.agenda.iter().filter(|decision| !decision.ways.is_empty());
+        open.map(|decision| decision.bound).chain(self.found.simplicity).min()
+    }
+
+    /// Asks of every two classes, under each rotation, whether they can be one place at all.
+    fn tell_apart(&mut self) {
+        let classes: Vec<usize> = self.quotient.classes(&self.walk).collect();
+        for (k, &class) in classes.iter().enumerate() {
+            for &onto in &classes[..k] {
+                for rotation in self.rotations(class, onto) {
+                    let _ = self.probe(class, onto, rotation);
+                }
+            }
+        }
+    }
+
+    /// The number of classes that are left if one lies on another; none if it cannot, which is noted.
+    fn probe(&mut self, class: usize, onto: usize, rotation: usize) -> Option<usize> {
+        let mark = self.quotient.mark();
+        let merged = self.quotient.merge(&self.walk, class, onto, rotation, self.experience.axioms);
+        let left = self.quotient.classes(&self.walk).filter(|&it| !self.quotient.is_settled(it)).count();
+        self.quotient.undo(mark);
+        match merged {
+            Ok(()) => Some(left),
+            Err(axiom) => {
+                self.effort.refuted.count(axiom);
+                self.quotient.refute(&self.walk, class, onto, rotation);
+                None
+            }
+        }
+    }
+
+    fn rotations(&self, class: usize, onto: usize) -> Vec<usize> {
+        let open = self.quotient.alike(class, onto);
+        let may = |&rotation: &usize| !self.walk.tracked(class) || open & 1 << rotation != 0;
+        self.walk.matches(class, onto).iter().map(|&rotation| rotation as usize).filter(may).collect()
+    }
+
+    fn take(&mut self, way: Way) {
+        let Some(decision) = self.agenda.last() else { return };
+        match way {
+            Way::New => self.quotient.settle(decision.class, &decision.settled),
+            Way::Merged { onto, rotation } => {
+                let axioms = self.experience.axioms;
+                // It was probed in this very state, so that it merges again.
+                let _ = self.quotient.merge(&self.walk, decision.class, onto, rotation, axioms);
+            }
+        }
+    }
+
+    /// Judges the quotient, and puts the next decision on the agenda or, where there is none, keeps the candidate.
+    fn look(&mut self) {
+        self.effort.steps += 1;
+        let classes: Vec<usize> = self.quotient.classes(&self.walk).collect();
+        let (settled, open): (Vec<usize>, Vec<usize>) =
+            classes.iter().partition(|&&class| self.quotient.is_settled(class));
+        let axioms = self.experience.axioms;
+        if axioms.contains(AxiomId::Planarity) && !planar(&self.walk, &self.quotient, &settled) {
+            return self.effort.refuted.count(AxiomId::Planarity);
+        }
+        if self.in_order && !self.begins_well() {
+            return;
+        }
+        self.effort.made += 1;
+        let least = bound(&self.walk, &self.quotient, &classes);
+        let abnormalities = (axioms.boundary() == Some(Boundary::Soft)).then_some(0);
+        let bound = Simplicity { abnormalities, ..least };
+        if self.found.simplicity.is_some_and(|found| bound > found) {
+            return;
+        }
+        match self.next(&settled, &open) {
+            Some(class) => self.decide(class, settled, bound),
+            None => self.keep(),
+        }
+    }
+
+    /// The class to decide: that with the fewest ways, of these the one of most visits; or the next on the walk.
+    fn next(&self, settled: &[usize], open: &[usize]) -> Option<usize> {
+        if self.in_order {
+            let classes = (0..self.walk.len()).map(|visit| self.quotient.class(visit).0);
+            return classes.into_iter().find(|&class| !self.quotient.is_settled(class));
+        }
+        let ways = |class: usize| {
+            let each = settled.iter().map(|&onto| self.quotient.alike(class, onto).count_ones());
+            (each.sum::<u32>(), Reverse(self.quotient.visits(class).count()), class)
+        };
+        open.iter().map(|&class| ways(class)).min().map(|(_, _, class)| class)
+    }
+
+    /// Puts the ways that are left for a class on the agenda: those that fold most are taken first, a new place last.
+    fn decide(&mut self, class: usize, settled: Vec<usize>, bound: Simplicity) {
+        let mut folded = Vec::new();
+        for &onto in &settled {
+            for rotation in self.rotations(class, onto) {
+                let left = self.probe(class, onto, rotation);
+                folded.extend(left.map(|left| (left, folded.len(), Way::Merged { onto, rotation })));
+            }
+        }
+        folded.sort_by_key(|&(left, rank, _)| (left, rank));
+        let ways = std::iter::once(Way::New).chain(folded.into_iter().rev().map(|(_, _, way)| way)).collect();
+        let mark = self.quotient.mark();
+        self.agenda.push(Decision { class, ways, settled, mark, bound });
+    }
+
+    /// Whether all axioms and the operator's word allow the decided beginning of the walk.
+    fn begins_well(&mut self) -> bool {
+        let beginning = self.assignments();
+        let Experience { visits, evidence, axioms, word } = self.experience.as_ref();
+        match judge(visits, evidence.as_deref(), *axioms, &beginning) {
+            Err(refutation) => self.effort.refuted.count(refutation.axiom),
+            Ok(_) if !word.allows(&beginning) => self.effort.refuted.count_operator(1),
+            Ok(_) => return true,
+        }
+        false
+    }
+
+    /// Keeps the candidate that the quotient is, all decided, if no simpler one is known.
+    fn keep(&mut self) {
+        let assignments = self.assignments();
+        let Experience { visits, evidence, axioms, .. } = self.experience.as_ref();
+        match judge(visits, evidence.as_deref(), *axioms, &assignments) {
+            Err(refutation) => self.effort.refuted.count(refutation.axiom),
+            Ok(candidate) => {
+                let simplicity = candidate.map(|candidate| candidate.simplicity(*axioms));
+                simplicity.into_iter().for_each(|simplicity| self.found.keep(simplicity, &assignments));
+            }
+        }
+    }
+
+    /// What the visits are taken for, up to the first that is not decided. Places are numbered by first visit, and
+    /// rotations are onto the star of the first visit.
+    fn assignments(&self) -> Vec<Assignment> {
+        let mut firsts: Vec<(usize, usize)> = Vec::new();
+        let assign = |visit: usize| {
+            let (class, turn) = self.quotient.class(visit);
+            let number = firsts.iter().position(|&(first, _)| first == class).unwrap_or_else(|| {
+                firsts.push((class, turn));
+                firsts.len() - 1
+            });
+            let size = self.walk.size(visit);
+            let rotation = ((turn + size - firsts[number].1) % size) as u8;
+            // None: there are no more places than visits, and these have a limit.
+            PlaceId::new(number).map(|place| Assignment { place, rotation })
+        };
+        let decided = |&visit: &usize| self.quotient.is_settled(self.quotient.class(visit).0);
+        (0..self.walk.len()).take_while(decided).filter_map(assign).collect()
+    }
+}
+
+impl Minimal {
+    fn keep(&mut self, simplicity: Simplicity, assignments: &[Assignment]) {
+        if self.simplicity.is_none_or(|least| simplicity < least) {
+            *self = Minimal { simplicity: Some(simplicity), ..Minimal::default() };
+        }
+        if self.simplicity == Some(simplicity) {
+            self.candidates.push(assignments.to_vec());
+        }
+    }
+
+    fn cut_to(&mut self, limit: Option<usize>) {
+        let limit = limit.unwrap_or(usize::MAX);
+        self.cut |= self.candidates.len() > limit;
+        self.candidates.truncate(limit);
+    }
+}

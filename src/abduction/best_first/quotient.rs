@@ -1,0 +1,357 @@
+//! The walk with some visits taken for one place: a quotient, closed under all that follows.
+
+use super::trailed::Trailed;
+use super::walk::{Rotations, Walk};
+use crate::abduction::{AxiomId, AxiomSet};
+
+/// Classes of visits, each to be one place of the map.
+///
+/// At first every visit is a class of its own, and the map is the walk itself. [`Quotient::merge`] takes two
+/// classes for one place, under a rotation; *folding* follows: a gateway has one far end, so that the classes beyond equal
+/// gateways merge too, and so on, in both directions of travel and over the whole walk. What cannot be shows at once,
+/// long before the walk comes to where a chronological search would find it.
+///
+/// Laws: what is merged stays so in every quotient further down, so that any axiom broken here is broken there.
+/// A *settled* class is a place of its own, never merged with another settled one.
+#[derive(Clone, Debug)]
+pub(super) struct Quotient {
+    /// For each visit the visit that names its class.
+    name: Trailed<u16>,
+    /// For each visit how many slots further on the star of the naming visit its slots are.
+    turn: Trailed<u8>,
+    /// The visits of a class in a ring.
+    next: Trailed<u16>,
+    /// For each dstate of a naming visit the dstate at its far end, of any visit of the class there; [`NONE`] without.
+    far: Trailed<u32>,
+    settled: Trailed<bool>,
+    /// For each two naming visits the rotations under which they might still be one place.
+    alike: Trailed<Rotations>,
+    passed: Vec<u32>,
+    pass: u32,
+    merges: Vec<Merge>,
+    touched: Vec<usize>,
+}
+
+/// A state to come back to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Mark([usize; 6]);
+
+/// Slot `s` of visit `visit` is slot `s + rotation` of visit `onto`.
+#[derive(Clone, Copy, Debug)]
+struct Merge {
+    visit: usize,
+    onto: usize,
+    rotation: usize,
+}
+
+/// No far end.
+const NONE: u32 = u32::MAX;
+
+impl Quotient {
+    /// The walk itself, or the axiom it breaks. Quadratic in the visits.
+    pub(super) fn of(walk: &Walk, axioms: AxiomSet) -> Result<Quotient, AxiomId> {
+        let visits = walk.len();
+        let mut alike = vec![0; visits * visits];
+        for a in 0..visits {
+            for b in 0..visits {
+                alike[a * visits + b] = if a == b { 1 } else { matching(walk, a, b) };
+            }
+        }
+        let mut quotient = Quotient {
+            name: Trailed::new((0..visits as u16).collect()),
+            turn: Trailed::new(vec![0; visits]),
+            next: Trailed::new((0..visits as u16).collect()),
+            far: Trailed::new(vec![NONE; walk.dstates()]),
+            settled: Trailed::new(vec![false; visits]),
+            alike: Trailed::new(alike),
+            passed: vec![0; visits],
+            pass: 0,
+            merges: Vec::new(),
+            touched: Vec::new(),
+        };
+        (1..visits).try_for_each(|visit| quotient.travel(walk, visit, axioms)).map(|()| quotient)
+    }
+
+    /// Takes two different classes for one place: slot `s` of `class` is slot `s + rotation` of `onto`. After an
+    /// error the quotient is good for nothing but [`Quotient::undo`].
+    pub(super) fn merge(
+        &mut self,
+        walk: &Walk,
+        class: usize,
+        onto: usize,
+        rotation: usize,
+        axioms: AxiomSet,
+    ) -> Result<(), AxiomId> {
+        self.merges.clear();
+        self.touched.clear();
+        self.merges.push(Merge { visit: class, onto, rotation });
+        while let Some(merge) = self.merges.pop() {
+            self.fold(walk, merge)?;
+        }
+        self.check_paths(walk, axioms)
+    }
+
+    /// Settles that a class is a place unlike all settled ones.
+    pub(super) fn settle(&mut self, class: usize, others: &[usize]) {
+        self.settled.set(class, true);
+        for &other in others {
+            self.set_alike(class, other, 0);
+            self.set_alike(other, class, 0);
+        }
+    }
+
+    /// Notes that a class cannot lie on another under a rotation.
+    pub(super) fn refute(&mut self, walk: &Walk, class: usize, onto: usize, rotation: usize) {
+        if walk.tracked(class) {
+            let back = (walk.size(class) - rotation) % walk.size(class);
+            self.set_alike(class, onto, self.alike(class, onto) & !(1 << rotation));
+            self.set_alike(onto, class, self.alike(onto, class) & !(1 << back));
+        }
+    }
+
+    /// The visit that names the class of a visit, and the rotation onto it.
+    pub(super) fn class(&self, visit: usize) -> (usize, usize) {
+        (self.name.get(visit) as usize, self.turn.get(visit) as usize)
+    }
+
+    /// The classes, by naming visit.
+    pub(super) fn classes(&self, walk: &Walk) -> impl Iterator<Item = usize> {
+        (0..walk.len()).filter(|&visit| self.name.get(visit) as usize == visit)
+    }
+
+    /// The visits of a class.
+    pub(super) fn visits(&self, class: usize) -> impl Iterator<Item = usize> {
+        std::iter::successors(Some(class), move |&visit| {
+            Some(self.next.get(visit) as usize).filter(|&next| next != class)
+        })
+    }
+
+    /// Whether a class is a place of its own.
+    pub(super) fn is_settled(&self, class: usize) -> bool {
+        self.settled.get(class)
+    }
+
+    /// The rotations under which a class might still lie on another.
+    pub(super) fn alike(&self, class: usize, onto: usize) -> Rotations {
+        self.alike.get(class * self.passed.len() + onto)
+    }
+
+    /// The class and slot at the far end of a class's slot.
+    pub(super) fn far_end(&self, walk: &Walk, class: usize, slot: usize) -> Option<(usize, usize)> {
+        let far = self.far.get(walk.dstate(class, slot));
+        (far != NONE).then(|| self.resolve(walk, far))
+    }
+
+    /// The present state.
+    pub(super) fn mark(&self) -> Mark {
+        let Quotient { name, turn, next, far, settled, alike, .. } = self;
+        Mark([name.mark(), turn.mark(), next.mark(), far.mark(), settled.mark(), alike.mark()])
+    }
+
+    /// Back to a state before.
+    pub(super) fn undo(&mut self, Mark([name, turn, next, far, settled, alike]): Mark) {
+        self.name.undo(name);
+        self.turn.undo(turn);
+        self.next.undo(next);
+        self.far.undo(far);
+        self.settled.undo(settled);
+        self.alike.undo(alike);
+    }
+
+    /// Adds the travel to a visit. One that goes back where the visit before came from folds at once.
+    fn travel(&mut self, walk: &Walk, visit: usize, axioms: AxiomSet) -> Result<(), AxiomId> {
+        let (departure, gateway) = walk.travel(visit);
+        let (from, turn) = self.class(visit - 1);
+        let from = walk.dstate(from, (departure + turn) % walk.size(from));
+        let to = walk.dstate(visit, gateway);
+        self.far.set(to, from as u32);
+        match self.far.get(from) {
+            NONE => {
+                self.far.set(from, to as u32);
+                Ok(())
+            }
+            known => {
+                let (onto, slot) = self.resolve(walk, known);
+                let size = walk.size(visit);
+                if walk.size(onto) != size {
+                    return Err(AxiomId::StarMatch);
+                }
+                self.merge(walk, visit, onto, (slot + size - gateway) % size, axioms)
+            }
+        }
+    }
+
+    /// Merges two classes, and notes which others have to follow.
+    fn fold(&mut self, walk: &Walk, Merge { visit, onto, rotation }: Merge) -> Result<(), AxiomId> {
+        let ((a, turn_a), (b, turn_b)) = (self.class(visit), self.class(onto));
+        let size = walk.size(a);
+        if walk.size(b) != size {
+            return Err(AxiomId::StarMatch);
+        }
+        let rotation = (rotation + turn_b + size - turn_a) % size;
+        if a == b {
+            return if rotation == 0 { Ok(()) } else { Err(AxiomId::Determinism) };
+        }
+        if self.settled.get(a) && self.settled.get(b) {
+            return Err(AxiomId::Determinism);
+        }
+        let absorbed = !self.settled.get(a) && (self.settled.get(b) || b < a);
+        let (from, to, rotation) = if absorbed { (a, b, rotation) } else { (b, a, (size - rotation) % size) };
+        if !walk.matches(from, to).contains(&(rotation as u8)) {
+            return Err(AxiomId::StarMatch);
+        }
+        self.narrow(walk, from, to, rotation)?;
+        self.rename(walk, from, to, rotation);
+        self.touched.push(to);
+        for slot in 0..size {
+            let far = self.far.get(walk.dstate(from, slot));
+            if far == NONE {
+                continue;
+            }
+            let own = walk.dstate(to, (slot + rotation) % size);
+            match self.far.get(own) {
+                NONE => self.far.set(own, far),
+                known => self.follow(walk, far, known)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// The far ends of one gateway are one gateway.
+    fn follow(&mut self, walk: &Walk, far: u32, known: u32) -> Result<(), AxiomId> {
+        let ((visit, slot), (onto, known)) = (self.resolve(walk, far), self.resolve(walk, known));
+        let size = walk.size(visit);
+        if walk.size(onto) != size {
+            return Err(AxiomId::StarMatch);
+        }
+        if visit != onto || slot != known {
+            self.merges.push(Merge { visit, onto, rotation: (known + size - slot) % size });
+        }
+        Ok(())
+    }
+
+    /// What the merged class might still lie on is what both might.
+    fn narrow(&mut self, walk: &Walk, from: usize, to: usize, rotation: usize) -> Result<(), AxiomId> {
+        if !walk.tracked(from) {
+            return Ok(());
+        }
+        if self.alike(from, to) & (1 << rotation) == 0 {
+            return Err(AxiomId::Determinism);
+        }
+        let size = walk.size(from);
+        for other in 0..walk.len() {
+            let is_class = self.name.get(other) as usize == other;
+            if !is_class || other == from || other == to || walk.size(other) != size {
+                continue;
+            }
+            // A rotation from `from` onto `other` is that from `to`, further on by `rotation`.
+            let own = self.alike(to, other);
+            let both = own & turned(self.alike(from, other), size - rotation, size);
+            if both != own {
+                self.set_alike(to, other, both);
+                self.set_alike(other, to, reversed(both, size));
+            }
+        }
+        Ok(())
+    }
+
+    fn rename(&mut self, walk: &Walk, from: usize, to: usize, rotation: usize) {
+        let size = walk.size(from);
+        let mut visit = from;
+        loop {
+            self.name.set(visit, to as u16);
+            self.turn.set(visit, ((self.turn.get(visit) as usize + rotation) % size) as u8);
+            visit = self.next.get(visit) as usize;
+            if visit == from {
+                break;
+            }
+        }
+        // Two rings become one by crossing over.
+        let (a, b) = (self.next.get(from), self.next.get(to));
+        self.next.set(from, b);
+        self.next.set(to, a);
+    }
+
+    /// Whether the paths through all classes just merged are still in order, and no travel stays where it was.
+    fn check_paths(&mut self, walk: &Walk, axioms: AxiomSet) -> Result<(), AxiomId> {
+        for index in 0..self.touched.len() {
+            let class = self.touched[index];
+            if self.name.get(class) as usize != class {
+                continue;
+            }
+            for slot in 0..walk.size(class) {
+                let Some(far) = self.far_end(walk, class, slot) else { continue };
+                if far == (class, slot) {
+                    return Err(AxiomId::Determinism);
+                }
+                if far.0 == class && axioms.contains(AxiomId::TravelMoves) {
+                    return Err(AxiomId::TravelMoves);
+                }
+            }
+            let each_fragment = |&slot: &usize| slot < walk.opposite(class, slot);
+            if axioms.contains(AxiomId::PathOrder)
+                && !(0..walk.size(class)).filter(each_fragment).all(|slot| self.in_order(walk, class, slot))
+            {
+                return Err(AxiomId::PathOrder);
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the path through a slot comes to every place once.
+    fn in_order(&mut self, walk: &Walk, class: usize, slot: usize) -> bool {
+        self.pass += 1;
+        self.passed[class] = self.pass;
+        [slot, walk.opposite(class, slot)].into_iter().all(|start| {
+            let (mut at, mut ahead) = (class, start);
+            while let Some((next, gateway)) = self.far_end(walk, at, ahead) {
+                if self.passed[next] == self.pass {
+                    return false;
+                }
+                self.passed[next] = self.pass;
+                (at, ahead) = (next, walk.opposite(next, gateway));
+            }
+            true
+        })
+    }
+
+    fn resolve(&self, walk: &Walk, dstate: u32) -> (usize, usize) {
+        let (visit, slot) = walk.place_of(dstate as usize);
+        let (class, turn) = self.class(visit);
+        (class, (slot + turn) % walk.size(class))
+    }
+
+    fn set_alike(&mut self, class: usize, onto: usize, rotations: Rotations) {
+        let visits = self.passed.len();
+        self.alike.set(class * visits + onto, rotations);
+    }
+}
+
+/// The rotations by which the star of a visit lies on that of another; all, where sets are not kept.
+fn matching(walk: &Walk, visit: usize, onto: usize) -> Rotations {
+    let matches = walk.matches(visit, onto);
+    match walk.tracked(visit) {
+        true => matches.iter().fold(0, |set, &rotation| set | 1 << rotation),
+        false if matches.is_empty() => 0,
+        false => Rotations::MAX,
+    }
+}
+
+/// Every rotation of a set further on by some slots of `size`, at most 64.
+fn turned(set: Rotations, by: usize, size: usize) -> Rotations {
+    let by = by % size;
+    let all = Rotations::MAX >> (Rotations::BITS as usize - size);
+    if by == 0 { set } else { (set << by | set >> (size - by)) & all }
+}
+
+/// Every rotation of a set the other way round.
+fn reversed(set: Rotations, size: usize) -> Rotations {
+    let mut left = set;
+    let mut reversed = 0;
+    while left != 0 {
+        let rotation = left.trailing_zeros() as usize;
+        reversed |= 1 << ((size - rotation) % size);
+        left &= left - 1;
+    }
+    reversed
+}

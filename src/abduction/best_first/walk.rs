@@ -1,0 +1,114 @@
+//! The experience as the quotient needs it: every star in one row of dstates.
+
+use crate::abduction::Visit;
+use crate::star::LargeScaleStar;
+use std::sync::Arc;
+
+/// A set of rotations, one bit each. Stars of more than 64 slots have no such sets: see [`Walk::tracked`].
+pub(super) type Rotations = u64;
+
+/// A walk: the stars as observed, the gateways left by and come in by.
+#[derive(Clone, Debug)]
+pub(super) struct Walk {
+    visits: Vec<Stop>,
+    opposite: Vec<u8>,
+    navigable: Vec<bool>,
+    /// For each two stars told apart, the rotations that lay the first onto the second.
+    matches: Vec<Vec<Vec<u8>>>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Stop {
+    /// The position of its first dstate among those of all visits.
+    first: u32,
+    size: u8,
+    star: u16,
+    departure: u8,
+    gateway: u8,
+    blocked: u8,
+}
+
+impl Walk {
+    /// The visits are those of one trace.
+    pub(super) fn new(visits: &[Arc<Visit>]) -> Walk {
+        let mut stars: Vec<&LargeScaleStar> = Vec::new();
+        let mut walk =
+            Walk { visits: Vec::new(), opposite: Vec::new(), navigable: Vec::new(), matches: Vec::new() };
+        for visit in visits {
+            let star = stars.iter().position(|&star| *star == visit.star).unwrap_or_else(|| {
+                stars.push(&visit.star);
+                stars.len() - 1
+            });
+            let slots = visit.star.slots();
+            walk.visits.push(Stop {
+                first: walk.opposite.len() as u32,
+                size: slots.len() as u8,
+                star: star as u16,
+                departure: visit.departure.map_or(0, |slot| slot.0),
+                gateway: slots[visit.arrival.0 as usize].opposite.0,
+                blocked: slots.iter().filter(|slot| !slot.navigable).count() as u8,
+            });
+            walk.opposite.extend(slots.iter().map(|slot| slot.opposite.0));
+            walk.navigable.extend(slots.iter().map(|slot| slot.navigable));
+        }
+        let onto = |a: &&LargeScaleStar| stars.iter().map(|b| b.alignments(a)).collect();
+        walk.matches = stars.iter().map(onto).collect();
+        walk
+    }
+
+    /// The number of visits.
+    pub(super) fn len(&self) -> usize {
+        self.visits.len()
+    }
+
+    /// The number of dstates of all stars observed.
+    pub(super) fn dstates(&self) -> usize {
+        self.opposite.len()
+    }
+
+    /// The number of slots of a visit's star.
+    pub(super) fn size(&self, visit: usize) -> usize {
+        self.visits[visit].size as usize
+    }
+
+    /// The position of a slot of a visit's star among all dstates.
+    pub(super) fn dstate(&self, visit: usize, slot: usize) -> usize {
+        self.visits[visit].first as usize + slot
+    }
+
+    /// The visit and slot of a dstate by its position. Logarithmic in the visits.
+    pub(super) fn place_of(&self, dstate: usize) -> (usize, usize) {
+        let visit = self.visits.partition_point(|stop| stop.first as usize <= dstate) - 1;
+        (visit, dstate - self.visits[visit].first as usize)
+    }
+
+    /// The slot of the other direction of the same path fragment.
+    pub(super) fn opposite(&self, visit: usize, slot: usize) -> usize {
+        self.opposite[self.dstate(visit, slot)] as usize
+    }
+
+    /// Whether a slot has an outward gateway.
+    pub(super) fn navigable(&self, visit: usize, slot: usize) -> bool {
+        self.navigable[self.dstate(visit, slot)]
+    }
+
+    /// The number of slots of a visit's star at which a path ends.
+    pub(super) fn blocked(&self, visit: usize) -> usize {
+        self.visits[visit].blocked as usize
+    }
+
+    /// The gateway of the visit before by which the robot left, and that of this visit by which it came.
+    pub(super) fn travel(&self, visit: usize) -> (usize, usize) {
+        (self.visits[visit].departure as usize, self.visits[visit].gateway as usize)
+    }
+
+    /// The rotations that lay the star of one visit onto that of another, ascending.
+    pub(super) fn matches(&self, visit: usize, onto: usize) -> &[u8] {
+        &self.matches[self.visits[visit].star as usize][self.visits[onto].star as usize]
+    }
+
+    /// Whether sets of rotations are kept for a visit's star.
+    pub(super) fn tracked(&self, visit: usize) -> bool {
+        self.size(visit) <= Rotations::BITS as usize
+    }
+}
