@@ -1,6 +1,8 @@
 //! Why two visits are one place in a candidate, or are not, and what the rivals say.
 
-use crate::abduction::{Abduction, Assignment, Candidate, Count, Proposed, Relation, Simplicity, judge};
+use crate::abduction::{
+    Abduction, Assertion, Assignment, Candidate, Count, Refutation, Relation, Simplicity, judge,
+};
 use crate::explanation::examples::last_refutation;
 use crate::explanation::travels::{StepKind, Travelled, first_visit, travels};
 use crate::map::{DstateId, PlaceId};
@@ -44,10 +46,21 @@ pub enum Opinion {
         /// What the later visit would be as one to the other's place, under each alignment of the stars, all before
         /// it as the candidate says; with what refutes that, or at a later observation the last of all that comes of
         /// it. Nothing does if a story that begins so obeys the axioms to the end, or if there is too much to look at.
-        alternatives: Vec<Proposed>,
+        alternatives: Vec<Alternative>,
         /// How the stars differ, if they have no alignment.
         difference: Option<StarDifference>,
     },
+}
+
+/// What the later of two visits would be as one to the place of the other.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Alternative {
+    /// The assignment.
+    pub assignment: Assignment,
+    /// What refutes it, or the last of all that comes of it.
+    pub refutation: Option<Refutation>,
+    /// The assertions in force that do not allow it.
+    pub forbidden: Vec<Assertion>,
 }
 
 /// A reason why an observation is of a known place.
@@ -235,10 +248,11 @@ fn two_places(abduction: &Abduction, own: &Candidate, [a, b]: [usize; 2]) -> Opi
         let assignment = Assignment { place, rotation };
         let whole = [&own.visits[..b], &[assignment]].concat();
         let judged = judge(abduction.visits(), abduction.evidence(), abduction.axioms(), &whole);
+        let forbidden = abduction.word().broken_by(&whole);
         let refutation = judged.err().or_else(|| last_refutation(abduction, whole));
-        Proposed { assignment, refutation }
+        Alternative { assignment, refutation, forbidden }
     };
-    let alternatives: Vec<Proposed> = star.alignments(seen).into_iter().map(alternative).collect();
+    let alternatives: Vec<Alternative> = star.alignments(seen).into_iter().map(alternative).collect();
     let difference = if alternatives.is_empty() { star.difference(seen, 0) } else { None };
     Opinion::Two { places: [place, other], alternatives, difference }
 }

@@ -1,6 +1,6 @@
 //! The reasons of a candidate in words.
 
-use crate::export::{Count, Explanation, Prospect, Relation, Report, Visits};
+use crate::export::{Alternative, Count, Explanation, Prospect, Relation, Report, Visits};
 use std::fmt::Write;
 
 /// Why the preferred candidate is as it is, what refuted its rivals, and where to look next, as lines of text.
@@ -22,7 +22,8 @@ pub fn explanation_text(explanation: &Explanation, report: &Report) -> String {
     text += "\nwhere to look next\n";
     text += &match &explanation.next {
         Some(next) => next_text(next, report.candidates),
-        None if report.candidates.value < 2 => "  no rival is left to tell apart\n".into(),
+        None if report.candidates.value < 2 && report.complete => "  no rival is left to tell apart\n".into(),
+        None if report.candidates.value < 2 => "  no rival was kept to tell apart\n".into(),
         None => "  no gateway is sure to refute a candidate\n".into(),
     };
     text
@@ -30,7 +31,7 @@ pub fn explanation_text(explanation: &Explanation, report: &Report) -> String {
 
 /// What a candidate and its rivals say of two visits, as lines of text.
 pub fn visits_text(said: &Visits, report: &Report) -> String {
-    let ([a, b], all) = (said.visits, number(report.candidates));
+    let [a, b] = said.visits;
     let [agree, otherwise] =
         if said.same { [said.together, said.apart] } else { [said.apart, said.together] };
     let mut text = match said.same {
@@ -39,7 +40,8 @@ pub fn visits_text(said: &Visits, report: &Report) -> String {
             format!("  observations {a} and {b} are two places, {} and {}", said.places[0], said.places[1])
         }
     };
-    let _ = writeln!(text, ": so in {} of {all} candidates", number(agree));
+    let kept = if report.complete { "" } else { " that were kept" };
+    let _ = writeln!(text, ": so in {} of {} candidates{kept}", agree.value, report.candidates.value);
     said.reasons.iter().for_each(|reason| {
         let _ = writeln!(text, "    {}", reason.words);
     });
@@ -47,33 +49,41 @@ pub fn visits_text(said: &Visits, report: &Report) -> String {
         let _ = writeln!(text, "    the stars seen differ: of place {}, {difference}", said.places[0]);
     }
     for alternative in &said.alternatives {
-        let why = alternative.refuted.as_ref().map_or_else(
-            || "nothing refutes it".into(),
-            |it| format!("refuted at observation {} by {}: {}", it.observation, it.axiom, it.words),
-        );
-        let _ = writeln!(text, "    as place {}, {why}", alternative.place);
+        let _ = writeln!(text, "    as place {}, {}", alternative.place, alternative_text(alternative));
     }
-    match &said.rival {
-        Some(rival) => {
-            let minimal = said.minimal_rivals.len();
-            let _ = writeln!(
-                text,
-                "    otherwise in {}, the simplest of which is candidate {} with {} paths and {} places{}",
-                number(otherwise),
-                rival.candidate,
-                rival.paths,
-                rival.places,
-                if minimal == 0 {
-                    String::new()
-                } else {
-                    format!("; {minimal} of them as simple as the preferred")
-                },
-            );
-        }
-        None if report.complete => text += "    no candidate says otherwise\n",
-        None => text += "    no candidate that was kept says otherwise\n",
+    text + &rival_text(said, otherwise, report)
+}
+
+fn alternative_text(alternative: &Alternative) -> String {
+    let seqs: Vec<String> = alternative.asserts.iter().map(|assert| assert.seq.to_string()).collect();
+    match &alternative.refuted {
+        Some(it) => format!("refuted at observation {} by {}: {}", it.observation, it.axiom, it.words),
+        None if seqs.is_empty() => "nothing refutes it".into(),
+        None => format!("no axiom refutes it, but the assert with seq {} does", seqs.join(", ")),
     }
-    text
+}
+
+fn rival_text(said: &Visits, otherwise: Count, report: &Report) -> String {
+    let Some(rival) = &said.rival else {
+        return match report.complete {
+            true => "    no candidate says otherwise\n".into(),
+            false => {
+                "    no candidate that was kept says otherwise; an assert that does finds the simplest\n"
+                    .into()
+            }
+        };
+    };
+    let ties = match said.minimal_rivals.len() {
+        0 => String::new(),
+        minimal => format!("; {minimal} of them as simple as the preferred"),
+    };
+    format!(
+        "    otherwise in {}, the simplest of which is candidate {} with {} paths and {} places{ties}\n",
+        number(otherwise),
+        rival.candidate,
+        rival.paths,
+        rival.places,
+    )
 }
 
 fn next_text(next: &Prospect, candidates: Count) -> String {

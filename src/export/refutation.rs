@@ -1,7 +1,7 @@
 //! Why something was refuted, as JSON.
 
-use crate::abduction::{self, OPERATOR, Proposed};
-use crate::explanation::{Ended, Ending};
+use crate::abduction::{self, OPERATOR};
+use crate::explanation::{self, Ended, Ending};
 use crate::export::{Assertion, GraphGateway};
 use crate::map::PlaceId;
 use serde::{Deserialize, Serialize};
@@ -33,6 +33,9 @@ pub struct Alternative {
     pub rotation: u8,
     /// What refutes it, or the last of all that comes of it; null if nothing does.
     pub refuted: Option<Refutation>,
+    /// The asserts in force that do not allow it; left out if there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub asserts: Vec<Assertion>,
 }
 
 /// A branch that ended.
@@ -43,9 +46,6 @@ pub struct EndedBranch {
     pub taken: Alternative,
     /// How it ended: `refuted` here, `operator`, or `later`.
     pub ending: String,
-    /// The asserts that do not allow it, if it ended by them.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub asserts: Vec<Assertion>,
 }
 
 impl Refutation {
@@ -65,9 +65,13 @@ impl Refutation {
 
 impl Alternative {
     /// The wire form.
-    pub fn of(child: &Proposed) -> Alternative {
-        let refuted = child.refutation.as_ref().map(Refutation::of);
-        Alternative { place: child.assignment.place.index(), rotation: child.assignment.rotation, refuted }
+    pub fn of(alternative: &explanation::Alternative) -> Alternative {
+        Alternative {
+            place: alternative.assignment.place.index(),
+            rotation: alternative.assignment.rotation,
+            refuted: alternative.refutation.as_ref().map(Refutation::of),
+            asserts: alternative.forbidden.iter().map(Assertion::of).collect(),
+        }
     }
 }
 
@@ -81,9 +85,8 @@ impl EndedBranch {
         };
         let (place, rotation) = (ended.assignment.place.index(), ended.assignment.rotation);
         EndedBranch {
-            taken: Alternative { place, rotation, refuted: refutation },
+            taken: Alternative { place, rotation, refuted: refutation, asserts },
             ending: ending.into(),
-            asserts,
         }
     }
 }

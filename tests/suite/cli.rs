@@ -167,7 +167,8 @@ fn an_operators_word_is_tried_out_and_written_down() {
     assert_eq!(kept.as_u64().unwrap() + refuted.as_u64().unwrap(), 23);
     let visits = &report["preferred"]["visits"];
     assert!(visits[0] != visits[8] && visits[4] == visits[10], "{visits}");
-    let mut written = json(&topostar(&["map", folder.path().join("trace.ndjson").to_str().unwrap(), "--json"]));
+    let mut written =
+        json(&topostar(&["map", folder.path().join("trace.ndjson").to_str().unwrap(), "--json"]));
     written["seconds"] = report["seconds"].clone();
     assert_eq!(written, report);
     let nothing = topostar(&["map", trace, "--json", "--assert", "0=8", "--assert", "0!=8"]);
@@ -188,8 +189,18 @@ fn reasons_are_given_in_words_and_in_the_report() {
         assert!(all.lines().any(|own| own == line), "{all}");
     }
     let two = text(&topostar(&["map", trace, "--explain=0,4"]).stdout);
-    let line = "    as place 0, refuted at observation 7 by star-match: gateway 2.0 is known to lead to 3.2, but";
+    let line =
+        "    as place 0, refuted at observation 7 by star-match: gateway 2.0 is known to lead to 3.2, but";
     assert!(two.lines().any(|own| own.starts_with(line)), "{two}");
+    let forbidden = text(&topostar(&["map", trace, "--assert", "0!=8", "--explain=0,8"]).stdout);
+    assert!(
+        forbidden.contains("as place 0, no axiom refutes it, but the assert with seq 37 does"),
+        "{forbidden}"
+    );
+    let few = text(&topostar(&["map", trace, "--strategy", "best-first", "--explain"]).stdout);
+    for line in ["so in 1 of 1 candidates that were kept\n", "  no rival was kept to tell apart\n"] {
+        assert!(few.contains(line), "{few}");
+    }
     let report = json(&topostar(&["map", trace, "--explain=0,4", "--json"]));
     assert_eq!(report["explain"]["visits"]["same"], false);
     assert_eq!(report["explain"]["closures"].as_array().unwrap().len(), 4);
