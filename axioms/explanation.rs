@@ -110,7 +110,14 @@ fn what_is_said_of_two_visits_is_true(
             for child in alternatives {
                 let whole = [&own.visits[..later], &[child.assignment]].concat();
                 let open = then.candidates().any(|it| it.visits == whole);
-                prop_assert_eq!(child.refutation.is_none(), open);
+                prop_assert_eq!(child.refutation.as_ref().is_none_or(|it| it.observation > later), open);
+                let alive = all.iter().any(|it| it.visits.starts_with(&whole));
+                prop_assert_eq!(child.refutation.is_none(), alive);
+                if let Some(refutation) = child.refutation {
+                    let then = explain(&visits[..refutation.observation], abduction.axioms());
+                    let alive = then.candidates().any(|it| it.visits.starts_with(&whole));
+                    prop_assert_eq!(alive, refutation.observation > later);
+                }
             }
         }
     }

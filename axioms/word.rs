@@ -4,7 +4,12 @@ use crate::engine::{affordable, axiom_sets, explain, stories};
 use crate::reference::Story;
 use crate::strategies::{grid_walks, lies, tangled_walks};
 use proptest::prelude::*;
-use topostar::abduction::{Abduction, Assertion, AxiomSet, Limits, Profile, Revisable, Visit, WordError};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use topostar::abduction::{
+    Abduction, Assertion, AxiomId, AxiomSet, Clash, Evidence, Limits, Profile, Proposal, Revisable, Visit,
+    WordError,
+};
 
 /// A word said after so many observations, and taken back after so many more, or never.
 #[derive(Clone, Debug)]
@@ -185,4 +190,43 @@ fn words_that_contradict_each_other_leave_nothing_and_are_named() {
     abduction.retract(32).unwrap();
     abduction.retract(30).unwrap();
     assert_eq!(abduction.report(), explain(&visits, AxiomSet::of(Profile::Default)).report());
+}
+
+/// Measurements that speak against nothing and count how often they are asked.
+#[derive(Debug, Default)]
+struct Counting(AtomicUsize);
+
+impl Evidence for Counting {
+    fn holds(&self, _: AxiomId, _: &Proposal<'_>) -> bool {
+        self.0.fetch_add(1, Ordering::Relaxed);
+        true
+    }
+
+    fn clash(&self, _: AxiomId, _: &Proposal<'_>) -> Clash {
+        Clash::default()
+    }
+}
+
+/// Undoing costs what came after the assertion, and nothing of what came before it.
+#[test]
+fn undoing_judges_nothing_of_what_came_before() {
+    let visits = crate::traces::visits("aces-stars");
+    let counting = Arc::new(Counting::default());
+    let mut abduction = Revisable::new(Abduction::new(AxiomSet::of(Profile::Default), Limits::default()));
+    let asked = || counting.0.load(Ordering::Relaxed);
+    for visit in &visits[..14] {
+        abduction.observe(visit, Some(counting.clone())).unwrap();
+    }
+    abduction.assert(Assertion { id: 0, visits: [0, 8], same: true }).unwrap();
+    let before = asked();
+    abduction.retract(0).unwrap();
+    assert_eq!(asked(), before);
+    abduction.assert(Assertion { id: 1, visits: [0, 8], same: true }).unwrap();
+    abduction.assert(Assertion { id: 2, visits: [0, 4], same: false }).unwrap();
+    let before = asked();
+    abduction.observe(&visits[14], Some(counting.clone())).unwrap();
+    let one = asked() - before;
+    abduction.retract(2).unwrap();
+    assert_eq!(asked() - before, 2 * one);
+    assert!(one > 0 && abduction.len() == 10);
 }

@@ -1,11 +1,12 @@
 //! `topostar map`: a trace in, the preferred map and the number of maps still possible out.
 
-use crate::abduction::{AxiomSet, Boundary, Profile, Report, StopReason, Strategy};
+use crate::abduction::{Abduction, AxiomSet, Boundary, Profile, Report, StopReason, Strategy};
+use crate::cli::asked::{Asked, Said};
 use crate::cli::failure::Failure;
 use crate::cli::input::{Events, read_events};
-use crate::export::{self, MapGraph, map_svg, map_text};
+use crate::export::{self, Explanation, MapGraph, explanation_text, map_svg, map_text, visits_text};
 use crate::service::{Limits, MapConfig, Session, SessionError};
-use crate::trace::{Event, write_event};
+use crate::trace::{Event, EventKind, write_event};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::fs;
@@ -22,7 +23,11 @@ Examples:
   topostar map trace.ndjson --profile paper --json  the report for machines
   topostar map run.clf.bz2 --visits arrivals.csv -o out/
                                                     LPMs cut from a log at known arrivals; writes the trace and
-                                                    pictures")]
+                                                    pictures
+  topostar map trace.ndjson --explain               and why: closures, refuted rivals, where to look next
+  topostar map trace.ndjson --explain=0,8           why observations 0 and 8 are one place, or are not
+  topostar map trace.ndjson --assert 0=8 --assert 3!=5
+                                                    the map if these are, and these are not, one place")]
 pub(super) struct Map {
     /// A trace (.ndjson), a CARMEN log (.clf or .log, also .gz and .bz2) with --visits, or - for standard input.
     input: PathBuf,
@@ -53,6 +58,13 @@ pub(super) struct Map {
     /// Print the report as one JSON object.
     #[arg(long)]
     json: bool,
+    /// Say why: what the closures of the preferred map rest on and what rivals say, what refuted rivals, and where to
+    /// look next. With =A,B, of these two observations, counted from 0.
+    #[arg(long, value_name = "A,B", num_args = 0..=1, require_equals = true, default_missing_value = "")]
+    explain: Option<Asked>,
+    /// An operator's word after the trace: two observations, counted from 0, are (=) or are not (!=) one place.
+    #[arg(long = "assert", value_name = "A=B|A!=B")]
+    asserts: Vec<Said>,
     /// Write trace.ndjson, report.json, map.txt and map.svg there.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
@@ -98,13 +110,16 @@ impl Map {
         let boundary = self.boundary.map(Boundary::from);
         let profile = || AxiomSet::of(self.profile.into()).with_boundary(boundary);
         let axioms = self.axioms.unwrap_or_else(profile);
-        let Explained { events, report, fault } = self.explain(input, axioms);
+        let Explained { events, session, fault } = self.search(input, axioms)?;
+        let report = session.abduction().report();
         let mut wire = export::Report::new(&report);
+        wire.explain = self.reasons(session.abduction())?.map(Box::new);
         wire.seconds = Some(started.elapsed().as_secs_f64());
         if self.json {
             writeln!(stdout(), "{}", json(&wire)?)?;
         } else {
             write!(stdout(), "{}", in_words(&report, &wire))?;
+            write!(stdout(), "{}", reasons_in_words(&wire))?;
         }
         if let Some(folder) = &self.output {
             write_files(folder, &events, &report, &wire)?;
@@ -112,7 +127,7 @@ impl Map {
         fault.map_or_else(|| verdict(&report), Err)
     }
 
-    fn explain(&self, input: Events, axioms: AxiomSet) -> Explained {
+    fn search(&self, input: Events, axioms: AxiomSet) -> Result<Explained, Failure> {
         let max_candidates = usize::try_from(self.max_candidates).unwrap_or(usize::MAX);
         // What one process reads for one user is bounded by the input itself.
         let limits = Limits { events_per_map: usize::MAX, cells_per_map: usize::MAX, ..Limits::default() };
@@ -130,10 +145,32 @@ impl Map {
             bar.inc(1);
             bar.set_message(format!("{} candidates", session.abduction().len()));
         }
+        for &Said(said) in &self.asserts {
+            let event =
+                Arc::new(Event { seq: session.next_seq(), stamp: None, kind: EventKind::Assert(said) });
+            let usage = |error: SessionError| Failure::Usage(format!("--assert: {}", pointed(&error)));
+            session.accept(&event).map_err(usage)?;
+            events.push(event);
+        }
         let deadline = self.max_seconds.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds));
         session.settle(&|| deadline.is_some_and(|deadline| Instant::now() >= deadline));
         bar.finish_and_clear();
-        Explained { events, report: session.abduction().report(), fault }
+        Ok(Explained { events, session, fault })
+    }
+
+    /// The reasons of the preferred map, if they are asked for and there is one.
+    fn reasons(&self, abduction: &Abduction) -> Result<Option<Explanation>, Failure> {
+        let (Some(asked), Some(&preferred)) = (self.explain, abduction.minimal().first()) else {
+            return Ok(None);
+        };
+        let visits = match asked {
+            Asked::All => None,
+            Asked::Visits(visits) => Some(visits),
+        };
+        let explanation = Explanation::of(abduction, preferred, visits);
+        let last = abduction.observations().saturating_sub(1);
+        let unknown = format!("--explain: expected two different observations of 0 to {last}");
+        explanation.map(Some).ok_or(Failure::Usage(unknown))
     }
 }
 
@@ -148,7 +185,7 @@ fn pointed(error: &SessionError) -> String {
 /// What was found in an input, up to its first fault.
 struct Explained {
     events: Vec<Arc<Event>>,
-    report: Report,
+    session: Session,
     fault: Option<Failure>,
 }
 
@@ -202,6 +239,16 @@ fn in_words(report: &Report, wire: &export::Report) -> String {
         .skip(1)
         .map(|rival| format!("as simple: visits {}\n", numbers(&rival.places())));
     text + &rivals.collect::<String>()
+}
+
+/// The reasons in words, if there are any: of two visits, if they were asked for, and else all.
+fn reasons_in_words(wire: &export::Report) -> String {
+    let Some(explanation) = &wire.explain else { return String::new() };
+    let reasons = match &explanation.visits {
+        Some(visits) => visits_text(visits, wire),
+        None => explanation_text(explanation, wire),
+    };
+    format!("\n{reasons}")
 }
 
 /// The preferred map in two lines: how sure it is and how big, and the place of each visit.

@@ -2,6 +2,7 @@
 //!
 //! Data goes to standard output, progress and diagnostics to standard error; progress bars only to a terminal.
 
+mod asked;
 mod demo;
 mod extract;
 mod failure;

@@ -1,40 +1,59 @@
-//! One example of what each axiom refuted.
+//! Refutations found again: one example for each axiom, and what ended a branch that was refuted late.
 
-use crate::abduction::{Abduction, AxiomId, Candidate, Refutation, proposed};
-use std::collections::BTreeMap;
+use crate::abduction::{Abduction, Assignment, AxiomId, Refutation, proposed};
+use std::collections::{BTreeMap, VecDeque};
 
 /// The most beginnings looked at.
 const BEGINNINGS: usize = 2000;
 
-/// For axioms that refuted something, one refutation: the first that is met along the candidate at a position, or else
-/// along the others in their order. Branches of which no candidate is left, and those beyond a bound, are not looked
-/// at, so that an axiom may have none. Linear in the proposals of so many beginnings, times observations and map.
-pub fn examples(abduction: &Abduction, candidate: usize) -> BTreeMap<AxiomId, Refutation> {
-    let refuted = abduction.report().refuted;
-    let wanted = refuted.iter().count();
-    let mut found = BTreeMap::new();
-    let mut beginnings = 0;
-    let mut before: Option<Candidate> = None;
-    for own in abduction.candidate(candidate).into_iter().chain(abduction.candidates()) {
-        let shared = before.as_ref().map_or(0, |before| shared(before, &own));
-        for observations in shared.max(1)..own.visits.len() {
-            if found.len() == wanted || beginnings == BEGINNINGS {
-                return found;
-            }
-            beginnings += 1;
-            let beginning = &own.visits[..observations];
-            let children = proposed(abduction.visits(), abduction.evidence(), abduction.axioms(), beginning);
-            for refutation in children.unwrap_or_default().into_iter().filter_map(|child| child.refutation) {
-                found.entry(refutation.axiom).or_insert(refutation);
+/// What refuted the last of all that came of a beginning, which obeys the axioms itself. None if something of it has
+/// come to the last observation, or if there is more of it than is looked at. Linear as [`examples`].
+pub(super) fn last_refutation(abduction: &Abduction, beginning: Vec<Assignment>) -> Option<Refutation> {
+    let mut last: Option<Refutation> = None;
+    let mut open = vec![beginning];
+    for _ in 0..BEGINNINGS {
+        let Some(beginning) = open.pop() else { return last };
+        if beginning.len() == abduction.observations() {
+            return None;
+        }
+        let children = proposed(abduction.visits(), abduction.evidence(), abduction.axioms(), &beginning);
+        for child in children.unwrap_or_default() {
+            match child.refutation {
+                Some(refutation) => {
+                    if last.as_ref().is_none_or(|last| last.observation < refutation.observation) {
+                        last = Some(refutation);
+                    }
+                }
+                None => open.push([beginning.as_slice(), &[child.assignment]].concat()),
             }
         }
-        before = Some(own);
     }
-    found
+    None
 }
 
-/// How many of their beginnings two candidates share, so that these need not be looked at twice.
-fn shared(before: &Candidate, own: &Candidate) -> usize {
-    let pairs = before.visits.iter().zip(&own.visits);
-    pairs.take_while(|(one, other)| one == other).count() + 1
+/// For axioms that refuted something, one refutation each, as near to the candidate at a position as can be: along it,
+/// or else along what branched off it, breadth-first, also where no candidate is left of that. Beyond a bound of
+/// beginnings nothing is looked at, so that an axiom may have none. Linear in the proposals of so many beginnings,
+/// times observations and map.
+pub fn examples(abduction: &Abduction, candidate: usize) -> BTreeMap<AxiomId, Refutation> {
+    let mut found = BTreeMap::new();
+    let Some(own) = abduction.candidate(candidate) else { return found };
+    let wanted = abduction.report().refuted.iter().count();
+    let along = 1..own.visits.len();
+    let mut open: VecDeque<Vec<Assignment>> = along.map(|seen| own.visits[..seen].to_vec()).collect();
+    for _ in 0..BEGINNINGS {
+        let Some(beginning) = open.pop_front().filter(|_| found.len() < wanted) else { break };
+        let children = proposed(abduction.visits(), abduction.evidence(), abduction.axioms(), &beginning);
+        for child in children.unwrap_or_default() {
+            let whole = [beginning.as_slice(), &[child.assignment]].concat();
+            match child.refutation {
+                Some(refutation) => {
+                    found.entry(refutation.axiom).or_insert(refutation);
+                }
+                None if own.visits.starts_with(&whole) => {}
+                None => open.push_back(whole),
+            }
+        }
+    }
+    found
 }

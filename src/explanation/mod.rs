@@ -15,6 +15,6 @@ pub use branches::{Ended, Ending, Node, children, ended, node};
 pub use difference::{Difference, difference};
 pub use examples::examples;
 pub use outlook::{Outlook, Prediction, Prospect, outlook};
-pub use together::{Opinion, Reason, Rival, Together, closures, together};
+pub use together::{Alternative, Opinion, Reason, Rival, Together, closures, together, together_each};
 pub use travels::{StepKind, Travelled, travels};
 pub use verdict::{Verdict, verdict};

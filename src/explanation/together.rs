@@ -1,10 +1,15 @@
 //! Why two visits are one place in a candidate, or are not, and what the rivals say.
 
-use crate::abduction::{Abduction, Assignment, Candidate, Count, Proposed, Relation, Simplicity, judge};
+use crate::abduction::{
+    Abduction, Assertion, Assignment, Candidate, Count, Refutation, Relation, Simplicity, judge,
+};
+use crate::explanation::examples::last_refutation;
 use crate::explanation::travels::{StepKind, Travelled, first_visit, travels};
 use crate::map::{DstateId, PlaceId};
 use crate::star::StarDifference;
+use std::cell::LazyCell;
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Deref;
 
 /// What a candidate, and what all candidates, say of two visits.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -38,12 +43,24 @@ pub enum Opinion {
     Two {
         /// The places.
         places: [PlaceId; 2],
-        /// What the later visit would be as one to the other's place, under each alignment of the stars, with what
-        /// refutes that where it is made.
-        alternatives: Vec<Proposed>,
+        /// What the later visit would be as one to the other's place, under each alignment of the stars, all before
+        /// it as the candidate says; with what refutes that, or at a later observation the last of all that comes of
+        /// it. Nothing does if a story that begins so obeys the axioms to the end, or if there is too much to look at.
+        alternatives: Vec<Alternative>,
         /// How the stars differ, if they have no alignment.
         difference: Option<StarDifference>,
     },
+}
+
+/// What the later of two visits would be as one to the place of the other.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Alternative {
+    /// The assignment.
+    pub assignment: Assignment,
+    /// What refutes it, or the last of all that comes of it.
+    pub refutation: Option<Refutation>,
+    /// The assertions in force that do not allow it.
+    pub forbidden: Vec<Assertion>,
 }
 
 /// A reason why an observation is of a known place.
@@ -87,33 +104,80 @@ pub struct Rival {
 /// What the candidate at a position, and all others, say of two different visits; none if there are no such visits or
 /// no such candidate. Linear in candidates times observations; reasons quadratic in the observations.
 pub fn together(abduction: &Abduction, candidate: usize, visits: [usize; 2]) -> Option<Together> {
+    together_each(abduction, candidate, &[visits])?.pop()
+}
+
+/// The same for several pairs of visits, in one pass over the candidates; none unless it can be said of each.
+pub fn together_each(abduction: &Abduction, candidate: usize, pairs: &[[usize; 2]]) -> Option<Vec<Together>> {
     let own = abduction.candidate(candidate)?;
-    let [a, b] = [visits[0].min(visits[1]), visits[0].max(visits[1])];
-    if a == b || b >= own.visits.len() {
+    if pairs.iter().any(|&[a, b]| a == b || a.max(b) >= own.visits.len()) {
         return None;
     }
-    let is_one = |candidate: &Candidate| candidate.visits[a].place == candidate.visits[b].place;
-    let one = is_one(&own);
-    let mut counts = [0; 2];
-    let mut rival: Option<Rival> = None;
+    let mut tallies: Vec<Tally> =
+        pairs.iter().map(|&[a, b]| Tally::new(abduction, &own, [a.min(b), a.max(b)])).collect();
+    let minimal = abduction.minimal();
     for (index, other) in abduction.candidates().enumerate() {
-        counts[usize::from(is_one(&other))] += 1;
-        let simplicity = other.simplicity(abduction.axioms());
-        if is_one(&other) != one && rival.as_ref().is_none_or(|rival| simplicity < rival.simplicity) {
-            rival = Some(Rival { candidate: index, simplicity });
+        let is_minimal = minimal.binary_search(&index).is_ok();
+        let simplicity = LazyCell::new(|| other.simplicity(abduction.axioms()));
+        tallies.iter_mut().for_each(|tally| tally.count(index, &other, is_minimal, &simplicity));
+    }
+    Some(tallies.into_iter().map(|tally| tally.finish(abduction)).collect())
+}
+
+/// What has been counted of one pair of visits.
+struct Tally {
+    visits: [usize; 2],
+    opinion: Opinion,
+    together: u64,
+    apart: u64,
+    rival: Option<Rival>,
+    minimal_rivals: Vec<usize>,
+}
+
+impl Tally {
+    fn new(abduction: &Abduction, own: &Candidate, visits: [usize; 2]) -> Tally {
+        let opinion = match is_one(own, visits) {
+            true => one_place(abduction, own, visits),
+            false => two_places(abduction, own, visits),
+        };
+        Tally { visits, opinion, together: 0, apart: 0, rival: None, minimal_rivals: Vec::new() }
+    }
+
+    fn count(
+        &mut self,
+        index: usize,
+        other: &Candidate,
+        is_minimal: bool,
+        simplicity: &impl Deref<Target = Simplicity>,
+    ) {
+        let one = is_one(other, self.visits);
+        *(if one { &mut self.together } else { &mut self.apart }) += 1;
+        if one == matches!(self.opinion, Opinion::One { .. }) {
+            return;
+        }
+        if is_minimal {
+            self.minimal_rivals.push(index);
+        }
+        let simplicity = **simplicity;
+        if self.rival.as_ref().is_none_or(|rival| simplicity < rival.simplicity) {
+            self.rival = Some(Rival { candidate: index, simplicity });
         }
     }
-    let says_otherwise =
-        |&index: &usize| abduction.candidate(index).is_some_and(|other| is_one(&other) != one);
-    let opinion = if one { one_place(abduction, &own, [a, b]) } else { two_places(abduction, &own, [a, b]) };
-    Some(Together {
-        visits: [a, b],
-        opinion,
-        together: counted(abduction, counts[1]),
-        apart: counted(abduction, counts[0]),
-        rival,
-        minimal_rivals: abduction.minimal().into_iter().filter(says_otherwise).collect(),
-    })
+
+    fn finish(self, abduction: &Abduction) -> Together {
+        Together {
+            visits: self.visits,
+            opinion: self.opinion,
+            together: counted(abduction, self.together),
+            apart: counted(abduction, self.apart),
+            rival: self.rival,
+            minimal_rivals: self.minimal_rivals,
+        }
+    }
+}
+
+fn is_one(candidate: &Candidate, [a, b]: [usize; 2]) -> bool {
+    candidate.visits[a].place == candidate.visits[b].place
 }
 
 /// The observations at which a candidate came from the unknown to a known place, each with the first visit to it.
@@ -184,9 +248,11 @@ fn two_places(abduction: &Abduction, own: &Candidate, [a, b]: [usize; 2]) -> Opi
         let assignment = Assignment { place, rotation };
         let whole = [&own.visits[..b], &[assignment]].concat();
         let judged = judge(abduction.visits(), abduction.evidence(), abduction.axioms(), &whole);
-        Proposed { assignment, refutation: judged.err() }
+        let forbidden = abduction.word().broken_by(&whole);
+        let refutation = judged.err().or_else(|| last_refutation(abduction, whole));
+        Alternative { assignment, refutation, forbidden }
     };
-    let alternatives: Vec<Proposed> = star.alignments(seen).into_iter().map(alternative).collect();
+    let alternatives: Vec<Alternative> = star.alignments(seen).into_iter().map(alternative).collect();
     let difference = if alternatives.is_empty() { star.difference(seen, 0) } else { None };
     Opinion::Two { places: [place, other], alternatives, difference }
 }

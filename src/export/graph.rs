@@ -106,7 +106,7 @@ pub struct GraphSegment {
 }
 
 /// A place and a slot of its star.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize, ToSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct GraphGateway {
     /// The number of the place.
     pub place: usize,
@@ -191,7 +191,8 @@ impl GraphSegment {
 }
 
 impl GraphGateway {
-    fn of(dstate: DstateId) -> GraphGateway {
+    /// The wire form of a dstate.
+    pub fn of(dstate: DstateId) -> GraphGateway {
         GraphGateway { place: dstate.place.index(), slot: dstate.slot.0 }
     }
 }

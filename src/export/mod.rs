@@ -3,7 +3,13 @@
 //! [`Report`] is the one object that `topostar map --json` prints and the service answers from; [`MapGraph`] is a
 //! candidate's map as JSON. Both are made from plain values of `abduction` and `map` and hold nothing else.
 
+mod branches;
+mod difference;
+mod explanation;
+mod explanation_text;
 mod graph;
+mod outlook;
+mod refutation;
 mod report;
 mod sheet;
 mod extraction;
@@ -12,6 +18,10 @@ mod layout;
 mod map_svg;
 mod map_text;
 
+pub use branches::{EndedBranches, TreeExtent, TreeNode};
+pub use difference::{Difference, Pairs, Side};
+pub use explanation::{Explanation, Reason, ReasonKind, Rival, Visits};
+pub use explanation_text::{explanation_text, visits_text};
 pub use extraction::Extraction;
 pub use extraction_svg::extraction_svg;
 pub use graph::{
@@ -21,6 +31,8 @@ pub use graph::{
 pub use layout::Layout;
 pub use map_svg::map_svg;
 pub use map_text::{map_text, place_type};
+pub use outlook::{Outlook, PredictedSlot, Prediction, Prospect};
+pub use refutation::{Alternative, EndedBranch, Refutation};
 pub use report::{
     Assertion, Count, Extinction, Preferred, Relation, Report, StopReason, Strategy, profile_name,
 };

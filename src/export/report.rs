@@ -1,6 +1,7 @@
 //! The report of an abduction: the one stable object of `map --json`.
 
 use crate::abduction::{self, AxiomSet, Candidate, OPERATOR, Profile};
+use crate::export::Explanation;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use utoipa::ToSchema;
@@ -46,6 +47,9 @@ pub struct Report {
     pub extinction: Option<Extinction>,
     /// The operator's word in force, in the order in which it was said.
     pub asserts: Vec<Assertion>,
+    /// Why the preferred map is as it is; the command line fills it in where `--explain` asks for it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub explain: Option<Box<Explanation>>,
     /// Wall time of the search; the command line fills it in.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,
@@ -203,6 +207,7 @@ impl Report {
             stop_reason: StopReason::of(found.stop_reason),
             extinction: found.extinction.as_ref().map(Extinction::of),
             asserts: found.word.assertions().iter().map(Assertion::of).collect(),
+            explain: None,
             seconds: None,
         }
     }

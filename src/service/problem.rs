@@ -73,6 +73,8 @@ pub enum ProblemKind {
     UnknownResource,
     /// No such map.
     UnknownMap,
+    /// No such candidate.
+    UnknownCandidate,
     /// The map has seen nothing.
     NoObservation,
     /// No map is consistent with the events.
@@ -115,6 +117,7 @@ impl ProblemKind {
             InvalidQuery => (StatusCode::BAD_REQUEST, "invalid-query", "The query is wrong"),
             UnknownResource => (StatusCode::NOT_FOUND, "unknown-resource", "There is nothing here"),
             UnknownMap => (StatusCode::NOT_FOUND, "unknown-map", "There is no such map"),
+            UnknownCandidate => (StatusCode::NOT_FOUND, "unknown-candidate", "There is no such candidate"),
             NoObservation => (StatusCode::NOT_FOUND, "no-observation", "The map has no observation yet"),
             NoConsistentMap => (StatusCode::NOT_FOUND, "no-consistent-map", "No map explains the events"),
             MethodNotAllowed => (

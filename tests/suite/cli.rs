@@ -154,13 +154,18 @@ fn a_turn_that_faces_no_gateway_is_refused_at_its_line() {
 
 #[test]
 fn options_that_make_no_sense_are_usage() {
-    let wrong: [&[&str]; 6] = [
+    let wrong: [&[&str]; 11] = [
         &["world", "no-such-world"],
         &["world", "office", "--resolution", "0"],
         &["world", "office", "--resolution", "0.0001"],
         &["extract", "lpm.json", "--passage-width", "nan"],
         &["extract", "worlds/aces-stars.ndjson", "--at", "0,0,0"],
         &["map", "worlds/aces-stars.ndjson", "--max-candidates", "0"],
+        &["map", "worlds/aces-stars.ndjson", "--assert", "0-8"],
+        &["map", "worlds/aces-stars.ndjson", "--assert", "0=15"],
+        &["map", "worlds/aces-stars.ndjson", "--assert", "3!=3"],
+        &["map", "worlds/aces-stars.ndjson", "--explain=0"],
+        &["map", "worlds/aces-stars.ndjson", "--explain=0,15"],
     ];
     for arguments in wrong {
         assert_eq!(topostar(arguments).status.code(), Some(2), "{arguments:?}");
@@ -179,6 +184,59 @@ fn usage_no_map_and_limit_have_codes_of_their_own() {
     let report = json(&cut);
     assert_eq!((&report["complete"], &report["candidates"]["relation"]), (&false.into(), &"gte".into()));
     assert_eq!(report["stop_reason"], "candidate-limit");
+}
+
+#[test]
+fn an_operators_word_is_tried_out_and_written_down() {
+    let trace = "worlds/aces-stars.ndjson";
+    let folder = tempfile::tempdir().unwrap();
+    let to = folder.path().to_str().unwrap();
+    let said = topostar(&["map", trace, "--json", "--assert", "0!=8", "--assert", "4=10", "-o", to]);
+    assert_eq!(said.status.code(), Some(0), "{}", text(&said.stderr));
+    let report = json(&said);
+    assert_eq!(report["asserts"].as_array().unwrap().len(), 2);
+    let (kept, refuted) = (&report["candidates"]["value"], &report["refuted"]["operator"]);
+    assert_eq!(kept.as_u64().unwrap() + refuted.as_u64().unwrap(), 23);
+    let visits = &report["preferred"]["visits"];
+    assert!(visits[0] != visits[8] && visits[4] == visits[10], "{visits}");
+    let mut written =
+        json(&topostar(&["map", folder.path().join("trace.ndjson").to_str().unwrap(), "--json"]));
+    written["seconds"] = report["seconds"].clone();
+    assert_eq!(written, report);
+    let nothing = topostar(&["map", trace, "--json", "--assert", "0=8", "--assert", "0!=8"]);
+    assert_eq!(nothing.status.code(), Some(4));
+    let error = text(&nothing.stderr);
+    assert!(error.contains("refuted by operator: retract one of the asserts with seq 37, 38"), "{error}");
+}
+
+#[test]
+fn reasons_are_given_in_words_and_in_the_report() {
+    let trace = "worlds/aces-stars.ndjson";
+    let all = text(&topostar(&["map", trace, "--explain"]).stdout);
+    for line in [
+        "  observations 0 and 8 are one place, 0: so in 10 of 23 candidates",
+        "  star-match 1: at observation 7, gateway 2.0 is known to lead to 3.2, but what was seen is not place 3: its \
+         slot 0 is open without a way, and was seen as blocked",
+    ] {
+        assert!(all.lines().any(|own| own == line), "{all}");
+    }
+    let two = text(&topostar(&["map", trace, "--explain=0,4"]).stdout);
+    let line =
+        "    as place 0, refuted at observation 7 by star-match: gateway 2.0 is known to lead to 3.2, but";
+    assert!(two.lines().any(|own| own.starts_with(line)), "{two}");
+    let forbidden = text(&topostar(&["map", trace, "--assert", "0!=8", "--explain=0,8"]).stdout);
+    assert!(
+        forbidden.contains("as place 0, no axiom refutes it, but the assert with seq 37 does"),
+        "{forbidden}"
+    );
+    let few = text(&topostar(&["map", trace, "--strategy", "best-first", "--explain"]).stdout);
+    for line in ["so in 1 of 1 candidates that were kept\n", "  no rival was kept to tell apart\n"] {
+        assert!(few.contains(line), "{few}");
+    }
+    let report = json(&topostar(&["map", trace, "--explain=0,4", "--json"]));
+    assert_eq!(report["explain"]["visits"]["same"], false);
+    assert_eq!(report["explain"]["closures"].as_array().unwrap().len(), 4);
+    assert_eq!(json(&topostar(&["map", trace, "--json"])).get("explain"), None);
 }
 
 #[test]

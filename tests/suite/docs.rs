@@ -59,6 +59,27 @@ fn the_readme_shows_what_the_demo_prints() {
     assert_eq!(lines(shown), lines(&printed));
 }
 
+/// Of what is printed, the README may show the end.
+#[test]
+fn the_readme_shows_what_map_prints() {
+    let text = document("README.md");
+    let shown = text.split("```console\n$ topostar map ").skip(1).filter_map(|rest| rest.split_once('\n'));
+    let mut examples = 0;
+    for (arguments, rest) in shown {
+        let lines = rest.split("\n```").next().unwrap();
+        let output = Command::new(env!("CARGO_BIN_EXE_topostar"))
+            .arg("map")
+            .args(arguments.split_whitespace())
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .output()
+            .unwrap();
+        let printed = String::from_utf8(output.stdout).unwrap();
+        assert!(printed.trim_end().ends_with(lines.trim_start_matches("...\n")), "{arguments}\n{printed}");
+        examples += 1;
+    }
+    assert_eq!(examples, 2);
+}
+
 #[test]
 fn the_readme_names_files_and_verbs_that_exist() {
     let text = document("README.md");

@@ -7,5 +7,7 @@ mod examples;
 mod faults;
 mod hostile;
 mod maps;
+mod reasons;
 mod sockets;
 mod storage;
+mod word;

@@ -1,10 +1,11 @@
 //! Candidates: the maps that are still possible, and the simplest of them.
 
 use crate::abduction::Candidate;
+use crate::explanation::{Verdict, verdict};
 use crate::export::{Count, MapGraph, Preferred};
 use crate::service::http::answer::Representation;
 use crate::service::http::cursor::Cursor;
-use crate::service::http::extract::{MapPath, PageQuery};
+use crate::service::http::extract::{CandidateName, CandidatePath, MapPath, PageQuery};
 use crate::service::problem::{Problem, ProblemKind};
 use crate::service::{Maps, View};
 use axum::extract::State;
@@ -124,37 +125,66 @@ pub(super) async fn get_preferred(
     Ok(maps.read(read).await??.answer(&headers))
 }
 
-/// Read the map of the preferred candidate as a graph.
+/// Read the map of a candidate as a graph.
 #[utoipa::path(
-    get, path = "/v1/maps/{map}/candidates/preferred/graph", tag = "maps",
-    operation_id = "get_preferred_graph",
+    get, path = "/v1/maps/{map}/candidates/{candidate}/graph", tag = "maps",
+    operation_id = "get_graph",
     params(
         ("map" = String, Path, description = "Name of the map"),
+        ("candidate" = String, Path, description = "Position of the candidate, or `preferred`"),
         ("If-None-Match" = Option<String>, Header, description = "ETag of the answer the client has"),
     ),
     responses(
         (status = 200, description = "Places, paths, path segments and frontier", body = MapGraph,
             headers(("ETag" = String, description = "Changes with the answer"))),
         (status = 304, description = "The answer has not changed"),
-        (status = 404, description = "No such map, no observation in it, or nothing explains its events"),
+        (status = 404, description = "No such map or candidate, no observation, or nothing explains the events"),
         (status = 422, description = "The name is not one"),
     )
 )]
-pub(super) async fn get_preferred_graph(
+pub(super) async fn get_graph(
     State(maps): State<Maps>,
-    MapPath(name): MapPath,
+    CandidatePath(name, candidate): CandidatePath,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     let view = maps.view(&name).await?;
     let read = move || {
-        let candidate = view.report.minimal.first().ok_or_else(|| none_left(&view))?;
-        Representation::of(&MapGraph::of(candidate))
+        let position = candidate.position(&view)?;
+        let candidate = view.abduction.candidate(position).ok_or_else(|| none_left(&view))?;
+        Representation::of(&MapGraph::of(&candidate))
     };
     Ok(maps.read(read).await??.answer(&headers))
 }
 
+impl CandidateName {
+    /// The position of the candidate in a view.
+    pub(super) fn position(self, view: &View) -> Result<usize, Problem> {
+        let preferred = preferred(view)?;
+        match self {
+            CandidateName::Preferred => Ok(preferred),
+            CandidateName::At(position) if position < view.abduction.len() => Ok(position),
+            CandidateName::At(position) => Err(Problem::new(
+                ProblemKind::UnknownCandidate,
+                format!(
+                    "there is no candidate {position}, expected 0 to {} or preferred",
+                    view.abduction.len() - 1
+                ),
+            )),
+        }
+    }
+}
+
+/// The position of the preferred candidate in a view.
+pub(super) fn preferred(view: &View) -> Result<usize, Problem> {
+    let visits = view.report.minimal.first().map(|candidate| &candidate.visits);
+    match visits.and_then(|visits| verdict(&view.abduction, visits)) {
+        Some(Verdict::Kept(position)) => Ok(position),
+        _ => Err(none_left(view)),
+    }
+}
+
 /// Why there is no preferred candidate.
-fn none_left(view: &View) -> Problem {
+pub(super) fn none_left(view: &View) -> Problem {
     match &view.report.extinction {
         Some(extinction) => Problem::extinct(extinction),
         None => Problem::new(ProblemKind::NoObservation, "post the first observation, the event with seq 0"),

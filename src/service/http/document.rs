@@ -17,6 +17,7 @@ use utoipa::{OpenApi as _, ToSchema};
     ),
     tags(
         (name = "maps", description = "Maps and what explains them."),
+        (name = "reasons", description = "Why maps were refuted, what sets candidates apart, where to look next."),
         (name = "events", description = "What robots saw and did."),
         (name = "process", description = "The service itself.")
     ),

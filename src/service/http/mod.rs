@@ -10,6 +10,7 @@ mod events;
 mod extract;
 mod maps;
 mod process;
+mod reasons;
 
 use crate::service::Maps;
 use axum::Router;
@@ -90,7 +91,11 @@ fn api() -> OpenApiRouter<Maps> {
         .routes(routes!(events::post_events))
         .routes(routes!(candidates::list_candidates))
         .routes(routes!(candidates::get_preferred))
-        .routes(routes!(candidates::get_preferred_graph))
+        .routes(routes!(candidates::get_graph))
+        .routes(routes!(reasons::get_explanation))
+        .routes(routes!(reasons::get_difference))
+        .routes(routes!(reasons::get_tree))
+        .routes(routes!(reasons::get_next))
         .routes(routes!(process::livez))
         .routes(routes!(process::openapi_json))
 }

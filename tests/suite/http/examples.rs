@@ -24,7 +24,27 @@ async fn events_in_each_form() {
     assert_answer(&client.get("/v1/maps/aces").await, "map.json");
     assert_answer(&client.get("/v1/maps/aces/candidates?limit=2").await, "candidates.json");
     assert_answer(&client.get("/v1/maps/aces/candidates/preferred/graph").await, "graph.json");
+    let next = client.get("/v1/maps/aces").await.json()["next_seq"].as_u64().unwrap();
     assert_answer(&client.post("aces", JSON, r#"{"seq":19,"kind":"travel"}"#).await, "sequence-gap.json");
+    for (seq, word) in (next..).zip(["assert.json", "retract.json"]) {
+        let posted = client.post("aces", JSON, example(word)).await.json();
+        assert_eq!(posted["next_seq"], seq + 1, "{posted}");
+    }
+}
+
+/// Of the whole walk, in which candidates branch.
+#[tokio::test]
+async fn reasons() {
+    let client = Client::new();
+    client.with_aces("aces", "").await;
+    for (path, name) in [
+        ("candidates/preferred/explain?visits=0,8", "explain.json"),
+        ("candidates/preferred/diff/13", "diff.json"),
+        ("tree?observation=3&depth=2&limit=2&ended=true", "tree.json"),
+        ("next?limit=2", "next.json"),
+    ] {
+        assert_answer(&client.get(&format!("/v1/maps/aces/{path}")).await, name);
+    }
 }
 
 /// A crossing as a picture: its four ways make two paths.

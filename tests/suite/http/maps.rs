@@ -25,7 +25,7 @@ async fn a_new_map_says_what_it_holds_and_expects() {
         "refuted": {"determinism": 0, "path-order": 0, "star-match": 0, "travel-moves": 0},
         "strategy": "breadth-first", "profile": "paper",
         "axioms": ["determinism", "star-match", "travel-moves", "path-order"], "complete": true,
-        "preferred": null, "minimal": [], "minimal_maps": 0, "stop_reason": null, "extinction": null,
+        "preferred": null, "minimal": [], "minimal_maps": 0, "stop_reason": null, "extinction": null, "asserts": [],
     });
     let made = client.put("office", r#"{"profile":"paper","max_candidates":7}"#).await;
     assert_eq!(made.json(), expected);
