@@ -20,5 +20,5 @@ pub mod recording;
 
 pub use event::{Assert, Event, EventKind, Observation, Percept, Stamp, Travel, Turn, TurnTarget};
 pub use event_error::EventError;
-pub use experience::{Experience, ExperienceError, Sighting};
+pub use experience::{Experience, ExperienceError, Motion, Sighting};
 pub use ndjson::{TraceError, parse_event, read_lines, read_trace, write_event, write_trace};
