@@ -34,6 +34,19 @@ impl Drift {
         turn_noise: 0.01,
         bearing_noise: 0.035,
     };
+
+    /// The same with all errors of odometry this many times as large; bearings are as they are.
+    #[must_use]
+    pub fn scaled(self, by: f64) -> Drift {
+        Drift {
+            heading_bias: self.heading_bias * by,
+            heading_noise: self.heading_noise * by,
+            length_bias: self.length_bias * by,
+            length_noise: self.length_noise * by,
+            turn_noise: self.turn_noise * by,
+            ..self
+        }
+    }
 }
 
 /// The odometer of one run.

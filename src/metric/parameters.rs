@@ -19,9 +19,10 @@ pub struct MetricParameters {
     /// robot in a corridor two metres wide stands within half a metre of the middle of a junction, and the middle
     /// of the free space around it is found as well as that.
     pub extent_sigma: f64,
-    /// How near to each other, in metres, the robot may have stood at two different places. Default 3: corridors
-    /// two metres wide and a wall between them, or an office door and the next. Where the trace shows a shorter
-    /// travel, that length counts instead.
+    /// How near to each other, in metres, the robot may have stood at two different places. Default 5: a place is a
+    /// neighbourhood, and perception looks farther than that around its middle, so that what is nearer and in sight
+    /// is one place; behind a wall two corridors have a row of rooms between them. Where the trace shows a shorter
+    /// travel, that length counts instead. To be lowered where corridors lie closer.
     pub separation: f64,
     /// How many metres of position a radian is worth where the least uncertain chain is looked for. Default 10. It
     /// chooses between chains, each of which is sound.
@@ -36,7 +37,7 @@ impl Default for MetricParameters {
             pose_gate: 31.812,
             bearing_sigma: 3.0_f64.to_radians(),
             extent_sigma: 0.25,
-            separation: 3.0,
+            separation: 5.0,
             lever: 10.0,
         }
     }

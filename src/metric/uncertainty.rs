@@ -5,9 +5,11 @@
 //! heading swing what lies between `p` and `q`. Covariances come without a word on how the errors of one travel go
 //! with those of the next. If they are independent, the end has the covariance `I`, the sum of all `A C A'`; if they
 //! are one and the same error throughout, each time as large as its covariance allows, it is `F F'` with `F` the sum
-//! of all `A L`, `L L' = C`. A mixture of both in equal shares has a covariance between them, so that the sum
-//! `I + F F'` bounds all. The factor `L` is the one in which a single number drives heading and what it brings with
-//! it, a second one the length: the errors of a wheel that is larger than the other, and of both.
+//! of all `A L`, `L L' = C`. A mixture, in which some share of each variance is new on every travel and the rest the
+//! same on all, has the mean of the two, weighed by the shares: so what bounds both, in the order of covariances,
+//! bounds every mixture. It need not be their sum: `(I + F F' + |I - F F'|) / 2` does, and is no more than either
+//! where they agree. This is done for each of three causes by itself, of which `L` has a column each, as one may be
+//! new and another the same: what drives heading and what that brings with it, then length, then drift aside.
 //!
 //! All this is of first order. An error `f` of heading displaces what lies `d` ahead by `f d` sideways and by up to
 //! `f f d / 2` more (Taylor). Within the gate `f` is at most that many standard deviations, so that the sum of these
@@ -74,9 +76,9 @@ impl Composed {
     /// How far the chain and one travel from where the chain begins, `direct`, may be apart at its end. The errors of
     /// the travel may be those of the chain as well. `gate` is in standard deviations.
     pub(super) fn against(&self, direct: &Step, gate: f64) -> Uncertainty {
-        let mut same = direct.leg.odometry;
-        let mut independent = direct.leg.odometry + direct.leg.stay;
-        same = factor(&same);
+        let mut causes = [Cause::default(); 3];
+        Cause::add(&mut causes, &factor(&direct.leg.odometry));
+        let mut covariance = direct.leg.stay;
         // The variance of the heading so far, and its share if all errors are the same.
         let (mut heading, mut heading_same) = (0.0, 0.0);
         let mut slack = 0.0;
@@ -86,8 +88,8 @@ impl Composed {
             let sign = if step.back { -1.0 } else { 1.0 };
             let moves = lever(&(end - ends)) * rotation(*turned);
             let (odometry, stay) = (&step.leg.odometry, &step.leg.stay);
-            independent += moves * (odometry + stay) * moves.transpose();
-            same -= moves * factor(odometry) * sign;
+            covariance += moves * stay * moves.transpose();
+            Cause::add(&mut causes, &(moves * factor(odometry) * -sign));
             let advance = |heading: &mut f64, heading_same: &mut f64| {
                 *heading += odometry.m33 + stay.m33;
                 *heading_same += sign * odometry.m33.sqrt();
@@ -101,7 +103,41 @@ impl Composed {
                 advance(&mut heading, &mut heading_same);
             }
         }
-        Uncertainty { covariance: independent + same * same.transpose(), slack }
+        covariance += causes.iter().map(Cause::bound).sum::<Matrix3<f64>>();
+        Uncertainty { covariance, slack }
+    }
+}
+
+/// What one cause of errors does to the end of a chain.
+#[derive(Clone, Copy, Debug, Default)]
+struct Cause {
+    /// The covariance if it is another one on every travel.
+    new: Matrix3<f64>,
+    /// The error if it is the same on all, for one standard deviation of it.
+    same: Vector3<f64>,
+}
+
+impl Cause {
+    /// Adds a displacement, by what each cause does of it.
+    fn add(causes: &mut [Cause; 3], columns: &Matrix3<f64>) {
+        for (cause, column) in causes.iter_mut().zip(columns.column_iter()) {
+            cause.new += column * column.transpose();
+            cause.same += column;
+        }
+    }
+
+    /// A covariance that bounds every mixture.
+    fn bound(&self) -> Matrix3<f64> {
+        let same = self.same * self.same.transpose();
+        // In units in which metres and radians weigh alike; any units give a bound.
+        let units = (self.new + same).diagonal().map(|variance| variance.max(f64::MIN_POSITIVE).sqrt());
+        let scaled = |covariance: Matrix3<f64>| covariance.component_div(&(units * units.transpose()));
+        let (new, same) = (scaled(self.new), scaled(same));
+        let apart = (new - same).symmetric_eigen();
+        let spread = apart.eigenvectors
+            * Matrix3::from_diagonal(&apart.eigenvalues.abs())
+            * apart.eigenvectors.transpose();
+        ((new + same + spread) / 2.0).component_mul(&(units * units.transpose()))
     }
 }
 
@@ -177,6 +213,25 @@ mod tests {
     }
 
     #[test]
+    fn what_bounds_a_cause_bounds_every_mixture() {
+        let mut causes = [Cause::default(); 3];
+        for (k, turn) in [0.3, 1.2, -0.7, 2.0].into_iter().enumerate() {
+            let covariance = Matrix3::new(2.0, 0.3, -0.04, 0.3, 1.5, 0.02, -0.04, 0.02, 0.01);
+            let reach = Vector::new(k as f64, 3.0 - k as f64);
+            Cause::add(&mut causes, &(lever(&reach) * rotation(turn) * factor(&covariance)));
+        }
+        for cause in causes {
+            let same = cause.same * cause.same.transpose();
+            assert!(cause.bound().trace() <= (cause.new + same).trace() + 1e-9);
+            for share in [0.0, 0.25, 0.5, 0.75, 1.0] {
+                let left = cause.bound() - cause.new * share - same * (1.0 - share);
+                assert!(left.symmetric_eigenvalues().min() > -1e-9, "{left}");
+            }
+        }
+        assert_eq!(Cause::default().bound(), Matrix3::zeros());
+    }
+
+    #[test]
     fn out_and_back_the_same_error_cancels() {
         let leg = Pose::new(10.0, 1.0, 0.5);
         let there_and_back = Composed::new(vec![step(leg, 0.1, false), step(leg, 0.1, true)]);
@@ -185,7 +240,7 @@ mod tests {
         );
         let still = step(Pose::IDENTITY, 0.0, false);
         let off = there_and_back.against(&still, 5.0);
-        // Independent errors of 0.1 rad, twice; the same one would cancel.
+        // New errors of 0.1 rad, twice; the same one would cancel.
         assert!((off.covariance.m33 - 0.02).abs() < 1e-12);
     }
 
