@@ -23,8 +23,10 @@ pub struct World {
     pub walk: Walk,
     /// What abduction must find in profile `paper`.
     pub paper: Expectation,
-    /// What abduction must find in profile `default`, without metric axioms.
+    /// What abduction must find in profile `default`, without measurements.
     pub default: Expectation,
+    /// What it must find in profile `default` with the measurements of a rendered trace, if that differs.
+    pub measured: Option<Expectation>,
 }
 
 /// A place of a world.

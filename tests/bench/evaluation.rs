@@ -151,7 +151,7 @@ fn sightings(trace: &StarTrace) -> Vec<Sighting> {
 }
 
 fn explain(sightings: &[Sighting]) -> Abduction {
-    let limits = Limits { max_candidates: Some(LIMIT) };
+    let limits = Limits { max_candidates: Some(LIMIT), ..Limits::default() };
     let mut abduction = Abduction::new(AxiomSet::of(Profile::Default), limits);
     let mut measured = Measurements::default();
     for sighting in sightings {
