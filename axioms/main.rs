@@ -3,9 +3,10 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a helper of tests fails the test")]
 
 mod engine;
-mod reference;
 mod strategies;
 mod traces;
+
+use topostar::reference;
 
 mod explanation;
 mod golden;

@@ -19,6 +19,7 @@ const MATRIX: &[(&str, &[&str])] = &[
     ("worlds", &["geometry", "grid", "lpm", "star", "trace"]),
     ("map", &["star"]),
     ("abduction", &["star", "map"]),
+    ("reference", &["star", "abduction"]),
     ("explanation", &["star", "map", "abduction"]),
     (
         "export",
@@ -49,7 +50,8 @@ const MATRIX: &[(&str, &[&str])] = &[
 ];
 
 /// Modules that know neither wire types, nor clocks, files, environment or global state.
-const CORE: &[&str] = &["geometry", "grid", "lpm", "gateway", "star", "map", "abduction", "explanation"];
+const CORE: &[&str] =
+    &["geometry", "grid", "lpm", "gateway", "star", "map", "abduction", "reference", "explanation"];
 const NOT_IN_CORE: &[&str] = &[
     "serde",
     "utoipa",
@@ -67,7 +69,7 @@ const NOT_IN_CORE: &[&str] = &[
 ];
 
 /// Modules in which metres have no place.
-const SYMBOLS_ONLY: &[&str] = &["map", "abduction", "explanation"];
+const SYMBOLS_ONLY: &[&str] = &["map", "abduction", "reference", "explanation"];
 const NOT_IN_SYMBOLS: &[&str] = &["f64", "f32", "nalgebra", "parry"];
 
 #[test]
