@@ -59,7 +59,7 @@ pub(super) struct Map {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum ProfileName {
+pub(super) enum ProfileName {
     /// The axioms of Beeson et al. 2003.
     Paper,
     /// With planarity.
@@ -171,7 +171,7 @@ impl From<BoundaryName> for Boundary {
 }
 
 /// A bar on standard error, which draws itself on a terminal only.
-fn progress(events: usize) -> ProgressBar {
+pub(super) fn progress(events: usize) -> ProgressBar {
     let bar = ProgressBar::new(events as u64);
     if let Ok(style) = ProgressStyle::with_template("{bar:30} event {pos}/{len}  {msg}") {
         bar.set_style(style);

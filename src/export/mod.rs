@@ -3,6 +3,7 @@
 //! [`Report`] is the one object that `topostar map --json` prints and the service answers from; [`MapGraph`] is a
 //! candidate's map as JSON. Both are made from plain values of `abduction` and `map` and hold nothing else.
 
+pub mod answer_set;
 mod graph;
 mod report;
 mod sheet;

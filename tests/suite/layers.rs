@@ -23,7 +23,19 @@ const MATRIX: &[(&str, &[&str])] = &[
     ("explanation", &["star", "map", "abduction"]),
     (
         "export",
-        &["geometry", "grid", "lpm", "gateway", "star", "trace", "worlds", "map", "abduction", "explanation"],
+        &[
+            "geometry",
+            "grid",
+            "lpm",
+            "gateway",
+            "star",
+            "trace",
+            "worlds",
+            "map",
+            "abduction",
+            "reference",
+            "explanation",
+        ],
     ),
     (
         "service",
@@ -42,6 +54,7 @@ const MATRIX: &[(&str, &[&str])] = &[
             "worlds",
             "map",
             "abduction",
+            "reference",
             "explanation",
             "export",
             "service",
