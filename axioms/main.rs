@@ -9,6 +9,7 @@ mod traces;
 use topostar::reference;
 
 mod explanation;
+mod clingo;
 mod golden;
 mod judge;
 mod boundary;
