@@ -21,6 +21,7 @@ mod theory_worlds;
 mod perception;
 mod minimality;
 mod planarity;
+mod registry;
 mod search;
 mod topology;
 mod word;

@@ -1,16 +1,16 @@
 //! `topostar check`: the search, the slow reference and clingo on one trace, and whether they agree.
 
-use crate::abduction::{AxiomSet, Visit};
+use crate::abduction::{Assertion, AxiomSet, Boundary, Visit};
 use crate::cli::clingo::Clingo;
-use crate::cli::comparison::{Comparison, Difference, Effect, Found, Race, Step};
+use crate::cli::comparison::{Comparison, Difference, Effect, Found, Question, Race, Step};
 use crate::cli::failure::Failure;
 use crate::cli::input::read_events;
-use crate::cli::map::{ProfileName, progress};
+use crate::cli::map::{BoundaryName, ProfileName, progress};
 use crate::export::answer_set::{PREFERENCE, THEORY, facts};
 use crate::reference::Story;
 use crate::star::PerceptionParameters;
-use crate::trace::Experience;
 use crate::trace::perceive::perceive;
+use crate::trace::{Assert, Event, EventError, EventKind, Experience};
 use clap::Args;
 use std::fs;
 use std::io::{Write, stdout};
@@ -32,8 +32,11 @@ pub(super) struct Check {
     /// A choice of axioms.
     #[arg(long, value_enum, default_value_t = ProfileName::Default)]
     profile: ProfileName,
+    /// Hold boundaries too: a path divides what is right of it from what is left.
+    #[arg(long, value_enum)]
+    boundary: Option<BoundaryName>,
     /// Exactly these axioms in place of a profile, names with commas between.
-    #[arg(long, conflicts_with = "profile")]
+    #[arg(long, conflicts_with_all = ["profile", "boundary"])]
     axioms: Option<AxiomSet>,
     /// The most candidates compared after an observation; the comparison ends before the first with more.
     #[arg(long, default_value_t = 10_000, value_parser = clap::value_parser!(u64).range(1..))]
@@ -56,17 +59,22 @@ pub(super) struct Check {
 
 impl Check {
     pub(super) fn run(self) -> Result<(), Failure> {
-        let (visits, fault) = read_visits(&self.input)?;
-        let axioms = self.axioms.unwrap_or_else(|| AxiomSet::of(self.profile.into()));
+        let Read { visits, word, fault } = read(&self.input)?;
+        let boundary = self.boundary.map(Boundary::from);
+        let profile = || AxiomSet::of(self.profile.into()).with_boundary(boundary);
+        let axioms = self.axioms.unwrap_or_else(profile);
         if self.lp {
-            write_program(self.output.as_deref(), &visits, axioms)?;
+            write_program(self.output.as_deref(), &facts(&visits, axioms, &word))?;
             return fault.map_or(Ok(()), Err);
         }
         let clingo = match &self.clingo {
             Some(path) if path == Path::new("none") => None,
             path => Clingo::find(path.as_deref())?,
         };
-        let comparison = self.compare(&visits, axioms, clingo.as_ref())?;
+        let most = usize::try_from(self.max_candidates).unwrap_or(usize::MAX);
+        let axioms = axioms.without_measured();
+        let question = Question { visits: &visits, axioms, word: &word, most };
+        let comparison = self.compare(question, clingo.as_ref())?;
         match self.json {
             true => writeln!(stdout(), "{}", json(&comparison)?)?,
             false => write!(stdout(), "{}", in_words(&comparison))?,
@@ -74,40 +82,28 @@ impl Check {
         fault.map_or_else(|| self.verdict(&comparison), Err)
     }
 
-    fn compare(
-        &self,
-        visits: &[Visit],
-        axioms: AxiomSet,
-        clingo: Option<&Clingo>,
-    ) -> Result<Comparison, Failure> {
-        let most = usize::try_from(self.max_candidates).unwrap_or(usize::MAX);
-        let (race, difference) = self.race(visits, axioms, most)?;
-        let mut comparison = Comparison::new(&race, axioms, difference);
+    fn compare(&self, question: Question<'_>, clingo: Option<&Clingo>) -> Result<Comparison, Failure> {
+        let (race, difference) = self.race(question)?;
+        let mut comparison = Comparison::new(&race, difference);
+        let compared = Question { visits: race.seen(), ..question };
         if let Some(clingo) = clingo {
             eprintln!("asking clingo");
-            ask(clingo, &race, axioms, most, &mut comparison)?;
+            ask(clingo, &race, &compared, &mut comparison)?;
         }
-        for axiom in axioms.iter() {
+        for axiom in question.axioms.iter() {
             eprintln!("without {}", axiom.name);
-            comparison
-                .axioms
-                .push(Effect::of(axiom, axioms, race.seen(), most).map_err(|e| self.refused(e))?);
+            comparison.axioms.push(Effect::of(axiom, &compared).map_err(|error| self.refused(error))?);
         }
         Ok(comparison)
     }
 
     /// Search and reference side by side, as far as they agree and are few.
-    fn race<'a>(
-        &self,
-        visits: &'a [Visit],
-        axioms: AxiomSet,
-        most: usize,
-    ) -> Result<(Race<'a>, Option<Difference>), Failure> {
-        let mut race = Race::new(visits, axioms.without_measured(), most);
-        let bar = progress(visits.len());
+    fn race<'a>(&self, question: Question<'a>) -> Result<(Race<'a>, Option<Difference>), Failure> {
+        let mut race = Race::new(question);
+        let bar = progress(question.visits.len());
         let mut difference = None;
-        for _ in visits {
-            match race.step(most).map_err(|error| self.refused(error))? {
+        for _ in question.visits {
+            match race.step().map_err(|error| self.refused(error))? {
                 Step::Agreed => {}
                 Step::TooMany => break,
                 Step::Differ(found) => {
@@ -147,37 +143,57 @@ impl Check {
     }
 }
 
-/// The visits of a trace up to its first fault.
-fn read_visits(input: &Path) -> Result<(Vec<Visit>, Option<Failure>), Failure> {
-    let read = read_events(input, None)?;
-    let parameters = PerceptionParameters::default();
+/// A trace up to its first fault.
+struct Read {
+    visits: Vec<Visit>,
+    /// What an operator said, in the end.
+    word: Vec<Assertion>,
+    fault: Option<Failure>,
+}
+
+fn read(input: &Path) -> Result<Read, Failure> {
+    let events = read_events(input, None)?;
     let mut experience = Experience::new();
-    let mut visits = Vec::new();
-    for (place, event) in &read.events {
-        match experience.accept(event, &|lpm, first| perceive(lpm, first, &parameters)) {
-            Ok(sighting) => visits.extend(sighting.iter().map(Visit::from)),
-            Err(error) => {
-                return Ok((visits, Some(Failure::input(input, format!("{place}: {}", error.at())))));
-            }
+    let mut read = Read { visits: Vec::new(), word: Vec::new(), fault: events.fault };
+    for (place, event) in &events.events {
+        if let Err(error) = read.take(&mut experience, event) {
+            read.fault = Some(Failure::input(input, format!("{place}: {error}")));
+            break;
         }
     }
-    Ok((visits, read.fault))
+    Ok(read)
+}
+
+impl Read {
+    fn take(&mut self, experience: &mut Experience, event: &Event) -> Result<(), EventError> {
+        let parameters = PerceptionParameters::default();
+        let sighting = experience.accept(event, &|lpm, first| perceive(lpm, first, &parameters));
+        self.visits.extend(sighting.map_err(|error| error.at())?.iter().map(Visit::from));
+        match event.kind {
+            EventKind::Assert(Assert { visits, same }) => {
+                self.word.push(Assertion { id: event.seq, visits, same });
+            }
+            EventKind::Retract { assert } => self.word.retain(|assertion| assertion.id != assert),
+            EventKind::Observation(_) | EventKind::Turn(_) | EventKind::Travel(_) => {}
+        }
+        Ok(())
+    }
 }
 
 /// Adds what clingo found, and the first difference to that.
 fn ask(
     clingo: &Clingo,
     race: &Race<'_>,
-    axioms: AxiomSet,
-    most: usize,
+    question: &Question<'_>,
     comparison: &mut Comparison,
 ) -> Result<(), Failure> {
-    let axioms = axioms.without_measured();
-    let candidates = clingo.candidates(race.seen(), axioms, most.saturating_add(1))?;
-    let minimal = clingo.minimal(race.seen(), axioms)?;
-    let last = race.seen().len().saturating_sub(1);
-    let differs =
-        |among, theirs, ours| Difference::first(last, among, ("reference", theirs), ("clingo", ours));
+    let facts = facts(question.visits, question.axioms, question.word);
+    let observations = question.visits.len();
+    let candidates = clingo.candidates(&facts, observations, question.most.saturating_add(1))?;
+    let minimal = clingo.minimal(&facts, observations)?;
+    let differs = |among, theirs, ours| {
+        Difference::first(observations.saturating_sub(1), among, ("reference", theirs), ("clingo", ours))
+    };
     let found = || {
         differs("candidates", race.stories(), &candidates)
             .or_else(|| differs("minimal", &comparison.reference.minimal, &minimal))
@@ -224,7 +240,8 @@ fn in_words(found: &Comparison) -> String {
 
 fn numbers(found: &Found) -> String {
     let simplest = found.size.map_or(String::new(), |size| {
-        format!(", {} preferred: {} paths, {} places", found.minimal.len(), size.paths, size.places)
+        let ranked = size.abnormalities.map_or(String::new(), |count| format!(" {count} abnormalities,"));
+        format!(", {} preferred:{ranked} {} paths, {} places", found.minimal.len(), size.paths, size.places)
     });
     format!("{} candidates{simplest}", found.candidates)
 }
@@ -239,15 +256,14 @@ fn visits(story: &Story) -> String {
     told.collect::<Vec<String>>().join(" ")
 }
 
-fn write_program(folder: Option<&Path>, visits: &[Visit], axioms: AxiomSet) -> Result<(), Failure> {
-    let facts = facts(visits, axioms);
+fn write_program(folder: Option<&Path>, facts: &str) -> Result<(), Failure> {
     let Some(folder) = folder else {
         let theory = THEORY.iter().filter(|file| **file != PREFERENCE).map(|(_, text)| *text);
-        let program: Vec<&str> = theory.chain([facts.as_str()]).collect();
+        let program: Vec<&str> = theory.chain([facts]).collect();
         return Ok(write!(stdout(), "{}", program.join("\n"))?);
     };
     fs::create_dir_all(folder).map_err(|error| Failure::writing(folder, error))?;
-    for (name, text) in THEORY.iter().chain([&("facts.lp", facts.as_str())]) {
+    for (name, text) in THEORY.iter().chain([&("facts.lp", facts)]) {
         let file = folder.join(name);
         fs::write(&file, text).map_err(|error| Failure::writing(&file, error))?;
     }

@@ -1,8 +1,7 @@
 //! clingo as a judge: an executable of its own, or the module of a Python.
 
-use crate::abduction::{AxiomSet, Visit};
 use crate::cli::failure::Failure;
-use crate::export::answer_set::{PREFERENCE, THEORY, facts, story};
+use crate::export::answer_set::{PREFERENCE, THEORY, story};
 use crate::reference::Story;
 use serde::Deserialize;
 use std::io::Write;
@@ -70,22 +69,22 @@ impl Clingo {
     /// All candidates, in lexicographic order, but no more than `most`.
     pub(super) fn candidates(
         &self,
-        visits: &[Visit],
-        axioms: AxiomSet,
+        facts: &str,
+        observations: usize,
         most: usize,
     ) -> Result<Vec<Story>, Failure> {
         let theory = THEORY.iter().filter(|file| **file != PREFERENCE);
-        let program = theory.map(|(_, text)| *text).chain([facts(visits, axioms).as_str()]).collect();
+        let program = theory.map(|(_, text)| *text).chain([facts]).collect();
         let run = self.solve(program, &[&most.to_string()])?;
-        stories(&run, visits.len(), |_| true)
+        stories(&run, observations, |_| true)
     }
 
     /// The preferred candidates, in lexicographic order.
-    pub(super) fn minimal(&self, visits: &[Visit], axioms: AxiomSet) -> Result<Vec<Story>, Failure> {
+    pub(super) fn minimal(&self, facts: &str, observations: usize) -> Result<Vec<Story>, Failure> {
         let theory = THEORY.iter().map(|(_, text)| *text);
-        let program = theory.chain([facts(visits, axioms).as_str()]).collect();
+        let program = theory.chain([facts]).collect();
         let run = self.solve(program, &["--opt-mode=optN", "--project=show", "0"])?;
-        stories(&run, visits.len(), |witness| witness.costs == run.models.costs)
+        stories(&run, observations, |witness| witness.costs == run.models.costs)
     }
 
     fn version(&self) -> Result<(), String> {

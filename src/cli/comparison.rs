@@ -1,9 +1,12 @@
 //! The search against the slow reference, and against clingo, candidate by candidate.
 
-use crate::abduction::{Abduction, Axiom, AxiomSet, Candidate, Limits, Visit, VisitError};
+use crate::abduction::{
+    Abduction, Assertion, Axiom, AxiomSet, Boundary, Candidate, Limits, Visit, VisitError, WordError,
+};
 use crate::export::profile_name;
 use crate::reference::{self, Story};
 use serde::Serialize;
+use thiserror::Error;
 
 /// What two or three judges found on their own, and whether it is the same.
 #[derive(Debug, Serialize)]
@@ -37,13 +40,15 @@ pub(super) struct Found {
     pub(super) candidates: usize,
     /// The preferred ones: for each visit its place and rotation.
     pub(super) minimal: Vec<Story>,
-    /// The paths and places of these.
+    /// How big these are.
     pub(super) size: Option<Size>,
 }
 
 /// How big a map is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub(super) struct Size {
+    /// Pairs of paths of which one is no boundary for what the other leads to; null where boundaries do not rank.
+    pub(super) abnormalities: Option<usize>,
     /// Paths, travelled or not.
     pub(super) paths: usize,
     /// Places.
@@ -78,9 +83,30 @@ pub(super) struct Effect {
     pub(super) refutes: Option<usize>,
 }
 
+/// What is compared: visits, the axioms they are explained by, and what an operator said in the end.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Question<'a> {
+    pub(super) visits: &'a [Visit],
+    pub(super) axioms: AxiomSet,
+    pub(super) word: &'a [Assertion],
+    /// The most candidates compared after an observation.
+    pub(super) most: usize,
+}
+
+/// Why a question cannot be asked.
+#[derive(Debug, Error)]
+pub(super) enum QuestionError {
+    /// A visit cannot come where it does.
+    #[error(transparent)]
+    Visit(#[from] VisitError),
+    /// An assertion cannot be taken.
+    #[error(transparent)]
+    Word(#[from] WordError),
+}
+
 /// The search and the reference after the same observations, as long as they agree.
 pub(super) struct Race<'a> {
-    visits: &'a [Visit],
+    question: Question<'a>,
     laws: Vec<&'static str>,
     search: Abduction,
     stories: Vec<Story>,
@@ -96,13 +122,35 @@ pub(super) enum Step {
     Differ(Difference),
 }
 
-impl<'a> Race<'a> {
-    /// A race before the first of some visits.
-    pub(super) fn new(visits: &'a [Visit], axioms: AxiomSet, most: usize) -> Race<'a> {
+impl<'a> Question<'a> {
+    fn search(&self, axioms: AxiomSet) -> Abduction {
         // One more than can be compared shows that there are too many.
-        let limits = Limits { max_candidates: Some(most.saturating_add(1)) };
-        let laws = axioms.iter().map(|axiom| axiom.name).collect();
-        Race { visits, laws, search: Abduction::new(axioms, limits), stories: Vec::new() }
+        let max_candidates = Some(self.most.saturating_add(1));
+        Abduction::new(axioms, Limits { max_candidates, ..Limits::default() })
+    }
+
+    /// The search gone on with by one observation, and by what was said of it and earlier ones.
+    fn observe(&self, search: &mut Abduction, observation: usize) -> Result<(), QuestionError> {
+        search.observe(&self.visits[observation])?;
+        let latest = self.word.iter().filter(|assertion| assertion.visits.iter().max() == Some(&observation));
+        latest.copied().try_for_each(|assertion| search.assert(assertion))?;
+        Ok(())
+    }
+
+    /// Whether the operator allows a story, or the beginning of one.
+    fn allows(&self, story: &Story) -> bool {
+        self.word.iter().all(|assertion| {
+            let [a, b] = assertion.visits.map(|visit| story.get(visit).map(|it| it.0));
+            a.is_none() || b.is_none() || (a == b) == assertion.same
+        })
+    }
+}
+
+impl<'a> Race<'a> {
+    /// A race before the first visit.
+    pub(super) fn new(question: Question<'a>) -> Race<'a> {
+        let laws = question.axioms.iter().map(|axiom| axiom.name).collect();
+        Race { question, laws, search: question.search(question.axioms), stories: Vec::new() }
     }
 
     /// The number of candidates agreed on.
@@ -110,32 +158,24 @@ impl<'a> Race<'a> {
         self.stories.len()
     }
 
-    /// Takes the next observation, if there are not more than `most` candidates.
-    pub(super) fn step(&mut self, most: usize) -> Result<Step, VisitError> {
+    /// Takes the next observation, unless there are too many candidates after it.
+    pub(super) fn step(&mut self) -> Result<Step, QuestionError> {
         let observation = self.search.observations();
         let mut search = self.search.clone();
-        search.observe(&self.visits[observation])?;
-        if search.len() > most {
+        self.question.observe(&mut search, observation)?;
+        if search.len() > self.question.most {
             return Ok(Step::TooMany);
         }
-        let visits = &self.visits[..=observation];
-        let stories = match observation {
+        let visits = &self.question.visits[..=observation];
+        let mut stories = match observation {
             0 => reference::beginning(visits),
             _ => reference::extensions(visits, &self.stories, &self.laws),
         };
-        let found = told(&search);
+        stories.retain(|story| self.question.allows(story));
         (self.search, self.stories) = (search, stories);
-        Ok(
-            match Difference::first(
-                observation,
-                "candidates",
-                ("search", &found),
-                ("reference", &self.stories),
-            ) {
-                None => Step::Agreed,
-                Some(difference) => Step::Differ(difference),
-            },
-        )
+        let found = told(&self.search);
+        let (ours, theirs) = (("search", &found[..]), ("reference", &self.stories[..]));
+        Ok(Difference::first(observation, "candidates", ours, theirs).map_or(Step::Agreed, Step::Differ))
     }
 
     /// What the search found.
@@ -146,7 +186,7 @@ impl<'a> Race<'a> {
 
     /// What the reference found.
     pub(super) fn referred(&self) -> Found {
-        let minimal = reference::minimal(self.seen(), &self.stories, false);
+        let minimal = reference::minimal(self.seen(), &self.stories, self.ranks());
         Found { candidates: self.stories.len(), size: self.size(&minimal), minimal }
     }
 
@@ -157,7 +197,7 @@ impl<'a> Race<'a> {
 
     /// The visits so far.
     pub(super) fn seen(&self) -> &'a [Visit] {
-        &self.visits[..self.search.observations()]
+        &self.question.visits[..self.search.observations()]
     }
 
     /// What the reference has, to compare with.
@@ -166,8 +206,15 @@ impl<'a> Race<'a> {
     }
 
     fn size(&self, minimal: &[Story]) -> Option<Size> {
-        let (paths, places) = reference::size(self.seen(), minimal.first()?);
-        Some(Size { paths, places })
+        let story = minimal.first()?;
+        let (paths, places) = reference::size(self.seen(), story);
+        let abnormalities = self.ranks().then(|| reference::abnormalities(self.seen(), story));
+        Some(Size { abnormalities, paths, places })
+    }
+
+    /// Whether boundaries rank.
+    fn ranks(&self) -> bool {
+        self.question.axioms.boundary() == Some(Boundary::Soft)
     }
 }
 
@@ -193,29 +240,24 @@ impl Difference {
 }
 
 impl Effect {
-    /// What an axiom of a set does to some visits; not tried if there are more than `most` candidates without it.
-    pub(super) fn of(
-        axiom: &Axiom,
-        axioms: AxiomSet,
-        visits: &[Visit],
-        most: usize,
-    ) -> Result<Effect, VisitError> {
+    /// What an axiom of the question does to its visits; not tried if there are too many candidates without it.
+    pub(super) fn of(axiom: &Axiom, question: &Question<'_>) -> Result<Effect, QuestionError> {
         let untried = |why| Effect { axiom: axiom.name, untried: Some(why), without: None, refutes: None };
         if reference::UNKNOWN.contains(&axiom.name) {
             return Ok(untried("is of measurements, which are not compared"));
         }
-        let Ok(without) = axioms.without(axiom.id) else {
+        let Ok(without) = question.axioms.without(axiom.id) else {
             return Ok(untried("is part of what a candidate is"));
         };
-        let mut search = Abduction::new(without, Limits { max_candidates: Some(most.saturating_add(1)) });
-        for visit in visits {
-            search.observe(visit)?;
-            if search.len() > most {
+        let mut search = question.search(without);
+        for observation in 0..question.visits.len() {
+            question.observe(&mut search, observation)?;
+            if search.len() > question.most {
                 return Ok(untried("more candidates without it than --max-candidates"));
             }
         }
         let stories = told(&search);
-        let breaks = |story: &&Story| !reference::obeys(visits, story, axiom.name);
+        let breaks = |story: &&Story| !reference::obeys(question.visits, story, axiom.name);
         Ok(Effect {
             axiom: axiom.name,
             untried: None,
@@ -227,7 +269,7 @@ impl Effect {
 
 impl Comparison {
     /// What was found up to the last observation compared, where search and reference agree or differ.
-    pub(super) fn new(race: &Race<'_>, axioms: AxiomSet, difference: Option<Difference>) -> Comparison {
+    pub(super) fn new(race: &Race<'_>, difference: Option<Difference>) -> Comparison {
         let (search, reference) = (race.searched(), race.referred());
         let last = race.seen().len().saturating_sub(1);
         let minimal = ("search", &search.minimal[..]);
@@ -235,8 +277,8 @@ impl Comparison {
         let difference = difference.or_else(preferred);
         Comparison {
             version: 1,
-            profile: profile_name(axioms),
-            observations: race.visits.len(),
+            profile: profile_name(race.question.axioms),
+            observations: race.question.visits.len(),
             compared: race.seen().len(),
             equal: difference.is_none(),
             difference,

@@ -67,7 +67,7 @@ pub(super) enum ProfileName {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum BoundaryName {
+pub(super) enum BoundaryName {
     /// Maps with fewer exceptions are preferred to others.
     Soft,
     /// Maps with an exception are refuted.

@@ -1,6 +1,6 @@
 //! A trace as an answer-set program, and the candidates back from its models.
 
-use crate::abduction::{AxiomSet, Visit};
+use crate::abduction::{Assertion, AxiomSet, Boundary, Visit};
 use crate::reference::Story;
 use crate::star::{ControlLaw, LargeScaleStar};
 use std::fmt::Write;
@@ -41,11 +41,20 @@ impl Nogood {
     }
 }
 
-/// The facts of a trace and of the axioms held, in the words of `axioms/star.lp`.
-pub fn facts(visits: &[Visit], axioms: AxiomSet) -> String {
+/// The facts of a trace, of the axioms held and of what an operator said, in the words of `axioms/star.lp`. What was
+/// said of visits not made is left out.
+pub fn facts(visits: &[Visit], axioms: AxiomSet, word: &[Assertion]) -> String {
     let mut text = String::new();
     for axiom in axioms.iter() {
         text += &format!("axiom(\"{}\").\n", axiom.name);
+    }
+    if axioms.boundary() == Some(Boundary::Soft) {
+        text += "axiom(\"boundary\"). soft(\"boundary\").\n";
+    }
+    for &Assertion { visits: [a, b], same, .. } in word {
+        if a.max(b) < visits.len() {
+            text += &format!("{}({a},{b}).\n", if same { "same" } else { "different" });
+        }
     }
     for (k, visit) in visits.iter().enumerate() {
         text += &format!("observation({k}). arrival({k},{}).", visit.arrival.0);

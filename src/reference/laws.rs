@@ -33,6 +33,11 @@ pub fn obeys(visits: &[Visit], story: &Story, law: &str) -> bool {
     holds(&Told::new(visits, story), law)
 }
 
+/// Whether the reference can judge a law.
+pub fn knows(law: &str) -> bool {
+    LAWS.iter().any(|(name, _)| *name == law)
+}
+
 /// Whether it obeys `star-match`, `determinism` and some other laws.
 pub(super) fn obeys_all(visits: &[Visit], story: &Story, laws: &[&str]) -> bool {
     let told = Told::new(visits, story);

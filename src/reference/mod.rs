@@ -13,9 +13,9 @@ mod simplicity;
 mod told;
 
 pub use boundary::{Evidence, abnormalities, beside};
-pub use laws::{DEFAULT, PAPER, UNKNOWN, obeys};
+pub use laws::{DEFAULT, PAPER, UNKNOWN, knows, obeys};
 pub use simplicity::{minimal, size};
-pub use told::{End, Story, segments};
+pub use told::{End, Story, segments, travels};
 
 use crate::abduction::Visit;
 use laws::obeys_all;

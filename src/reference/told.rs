@@ -61,6 +61,11 @@ impl<'a> Told<'a> {
     }
 }
 
+/// For each observation but the first, the gateway left by and the gateway arrived at, both outward.
+pub fn travels(visits: &[Visit], story: &Story) -> Vec<(End, End)> {
+    Told::new(visits, story).travels
+}
+
 /// The path segments: each travelled pair of gateways once, the lower one first.
 pub fn segments(visits: &[Visit], story: &Story) -> BTreeSet<(End, End)> {
     Told::new(visits, story).segments()
