@@ -3,11 +3,13 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a helper of tests fails the test")]
 
 mod engine;
-mod reference;
 mod strategies;
 mod traces;
 
+use topostar::reference;
+
 mod explanation;
+mod clingo;
 mod golden;
 mod judge;
 mod measured;
@@ -20,6 +22,7 @@ mod theory_worlds;
 mod perception;
 mod minimality;
 mod planarity;
+mod registry;
 mod search;
 mod topology;
 mod word;

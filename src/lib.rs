@@ -46,6 +46,7 @@ pub mod worlds;
 pub mod map;
 pub mod abduction;
 pub mod metric;
+pub mod reference;
 pub mod explanation;
 pub mod export;
 pub mod service;

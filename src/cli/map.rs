@@ -71,7 +71,7 @@ pub(super) struct Map {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum ProfileName {
+pub(super) enum ProfileName {
     /// The axioms of Beeson et al. 2003.
     Paper,
     /// With planarity.
@@ -79,7 +79,7 @@ enum ProfileName {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum BoundaryName {
+pub(super) enum BoundaryName {
     /// Maps with fewer exceptions are preferred to others.
     Soft,
     /// Maps with an exception are refuted.
@@ -208,7 +208,7 @@ impl From<BoundaryName> for Boundary {
 }
 
 /// A bar on standard error, which draws itself on a terminal only.
-fn progress(events: usize) -> ProgressBar {
+pub(super) fn progress(events: usize) -> ProgressBar {
     let bar = ProgressBar::new(events as u64);
     if let Ok(style) = ProgressStyle::with_template("{bar:30} event {pos}/{len}  {msg}") {
         bar.set_style(style);

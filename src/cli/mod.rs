@@ -3,6 +3,9 @@
 //! Data goes to standard output, progress and diagnostics to standard error; progress bars only to a terminal.
 
 mod asked;
+mod check;
+mod clingo;
+mod comparison;
 mod demo;
 mod extract;
 mod failure;
@@ -34,6 +37,8 @@ enum Verb {
     Demo(demo::Demo),
     /// Find all maps that explain a trace, and the simplest.
     Map(map::Map),
+    /// Check the search on a trace against the slow reference and clingo.
+    Check(check::Check),
     /// Read gateways and star off one occupancy grid, or off every grid of a trace.
     Extract(extract::Extract),
     /// Run the HTTP service.
@@ -55,6 +60,7 @@ pub fn run() -> ExitCode {
     let outcome = match Cli::parse().verb {
         Verb::Demo(verb) => verb.run(),
         Verb::Map(verb) => verb.run(),
+        Verb::Check(verb) => verb.run(),
         Verb::Extract(verb) => verb.run(),
         Verb::Serve(verb) => verb.run(),
         Verb::World(verb) => verb.run(),

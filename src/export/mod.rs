@@ -7,6 +7,7 @@ mod branches;
 mod difference;
 mod explanation;
 mod explanation_text;
+pub mod answer_set;
 mod graph;
 mod outlook;
 mod refutation;

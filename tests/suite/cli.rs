@@ -6,11 +6,11 @@ use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-fn topostar(arguments: &[&str]) -> Output {
+pub(crate) fn topostar(arguments: &[&str]) -> Output {
     fed(arguments, b"")
 }
 
-fn fed(arguments: &[&str], input: &[u8]) -> Output {
+pub(crate) fn fed(arguments: &[&str], input: &[u8]) -> Output {
     let mut process = Command::new(env!("CARGO_BIN_EXE_topostar"))
         .args(arguments)
         .current_dir(env!("CARGO_MANIFEST_DIR"))
@@ -28,11 +28,11 @@ fn fed(arguments: &[&str], input: &[u8]) -> Output {
     output
 }
 
-fn json(output: &Output) -> Value {
+pub(crate) fn json(output: &Output) -> Value {
     serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {}", text(&output.stderr)))
 }
 
-fn text(bytes: &[u8]) -> String {
+pub(crate) fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
 

@@ -20,14 +20,39 @@ const MATRIX: &[(&str, &[&str])] = &[
     ("map", &["star"]),
     ("abduction", &["star", "map"]),
     ("metric", &["geometry", "star", "trace", "map", "abduction"]),
+    ("reference", &["star", "abduction"]),
     ("explanation", &["star", "map", "abduction"]),
     (
         "export",
-        &["geometry", "grid", "lpm", "gateway", "star", "trace", "worlds", "map", "abduction", "explanation"],
+        &[
+            "geometry",
+            "grid",
+            "lpm",
+            "gateway",
+            "star",
+            "trace",
+            "worlds",
+            "map",
+            "abduction",
+            "reference",
+            "explanation",
+        ],
     ),
     (
         "service",
-        &["geometry", "grid", "lpm", "gateway", "star", "trace", "map", "abduction", "metric", "explanation", "export"],
+        &[
+            "geometry",
+            "grid",
+            "lpm",
+            "gateway",
+            "star",
+            "trace",
+            "map",
+            "abduction",
+            "metric",
+            "explanation",
+            "export",
+        ],
     ),
     (
         "cli",
@@ -43,6 +68,7 @@ const MATRIX: &[(&str, &[&str])] = &[
             "map",
             "abduction",
             "metric",
+            "reference",
             "explanation",
             "export",
             "service",
@@ -51,7 +77,8 @@ const MATRIX: &[(&str, &[&str])] = &[
 ];
 
 /// Modules that know neither wire types, nor clocks, files, environment or global state.
-const CORE: &[&str] = &["geometry", "grid", "lpm", "gateway", "star", "map", "abduction", "metric", "explanation"];
+const CORE: &[&str] =
+    &["geometry", "grid", "lpm", "gateway", "star", "map", "abduction", "metric", "reference", "explanation"];
 const NOT_IN_CORE: &[&str] = &[
     "serde",
     "utoipa",
@@ -69,7 +96,7 @@ const NOT_IN_CORE: &[&str] = &[
 ];
 
 /// Modules in which metres have no place.
-const SYMBOLS_ONLY: &[&str] = &["map", "abduction", "explanation"];
+const SYMBOLS_ONLY: &[&str] = &["map", "abduction", "reference", "explanation"];
 const NOT_IN_SYMBOLS: &[&str] = &["f64", "f32", "nalgebra", "parry"];
 
 #[test]

@@ -1,7 +1,9 @@
 //! Helper tasks: `cargo xtask test` is everything that has to pass before a change lands.
 
+mod oracles;
+
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 struct Step {
@@ -98,8 +100,16 @@ const REAL_DATA: Step = Step {
     component: None,
 };
 
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
 fn test() -> ExitCode {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let root = root();
+    if let Err(why) = oracles::set_up(&root) {
+        eprintln!("failed: no oracle to hold the search to: {why}");
+        return ExitCode::FAILURE;
+    }
     if root.join("../shared/data").is_dir() {
         return run_all(&TEST.iter().chain([&REAL_DATA]).collect::<Vec<_>>());
     }
@@ -128,6 +138,7 @@ impl Step {
         self.install_component()?;
         let mut command = cargo();
         command.args(self.arguments).envs(self.environment.iter().copied());
+        command.envs(oracles::found(&root()).map(|python| (oracles::PYTHON, python)));
         println!("$ cargo {}", self.arguments.join(" "));
         let status = command.status().map_err(|e| format!("cargo cannot be started: {e}"))?;
         if status.success() {
