@@ -31,6 +31,16 @@ impl Kept {
         }
     }
 
+    /// Adds children that come after all before them, cut to the same limit.
+    pub(super) fn append(&mut self, others: Kept) {
+        self.cut |= others.cut;
+        self.made += others.made;
+        self.children.extend(others.children);
+        if self.limit.is_some_and(|limit| self.children.len() / 2 >= limit.max(SLACK)) {
+            self.cut_to_limit();
+        }
+    }
+
     /// The simplest, and of equally simple ones the first, in their order, and whether any was cut.
     pub(super) fn finish(mut self) -> (Vec<(u32, Child)>, bool) {
         self.cut_to_limit();

@@ -10,6 +10,8 @@ use crate::abduction::{
     StopReason, Strategy, Visit, VisitError, Word, WordError,
 };
 use crate::map::{DstateId, PlaceId, StarTable, TopologicalMap};
+use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// All candidates that explain the observations so far (seed, section 3.3, exhaustive breadth-first search).
@@ -37,6 +39,11 @@ pub struct Abduction {
     pub(super) minimum: Option<Arc<Result<BestFirst, Refutations>>>,
     first_cut: Option<usize>,
 }
+
+/// Candidates that one thread extends at a time: enough to be worth a thread, and few enough to share out evenly.
+const BATCH: usize = 512;
+/// Batches whose children are in memory before they come together and are cut to the limit.
+const WAVE: usize = 64;
 
 /// What a search may use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -235,16 +242,34 @@ impl Abduction {
         (self.maps_created, self.refuted) = (0, Vec::new());
     }
 
+    /// Extends all candidates, on all cores. Each batch of them is extended by one thread, and the batches' children
+    /// come together in the order of the batches, so that nothing depends on the number of threads.
     fn extend(&mut self, seen: &Seen) {
+        let mut kept = Kept::new(self.limits.max_candidates, self.axioms);
+        let mut refuted = Refutations::default();
+        let batches: Vec<Range<usize>> =
+            (0..self.len()).step_by(BATCH).map(|start| start..self.len().min(start + BATCH)).collect();
+        for wave in batches.chunks(WAVE) {
+            let extended: Vec<(Kept, Refutations)> =
+                wave.par_iter().map(|parents| self.extend_batch(seen, parents.clone())).collect();
+            for (children, counts) in extended {
+                kept.append(children);
+                refuted = [refuted, counts].into_iter().sum();
+            }
+        }
+        self.keep(kept, refuted);
+    }
+
+    fn extend_batch(&self, seen: &Seen, parents: Range<usize>) -> (Kept, Refutations) {
         let kept = Kept::new(self.limits.max_candidates, self.axioms);
         let evidence = self.evidence.as_deref();
-        let mut extension =
-            Extension { seen, axioms: self.axioms(), evidence, refuted: Refutations::default(), kept };
-        for (parent, (map, leaf)) in (0..).zip(self.maps.iter().zip(self.tree.leaves())) {
-            extension.extend(parent, map, leaf.assignment, &self.tree.leaf(parent as usize));
+        let refuted = Refutations::default();
+        let mut extension = Extension { seen, axioms: self.axioms(), evidence, refuted, kept };
+        for parent in parents {
+            let (map, leaf) = (&self.maps[parent], self.tree.leaves()[parent]);
+            extension.extend(parent as u32, map, leaf.assignment, &self.tree.leaf(parent));
         }
-        let Extension { kept, refuted, .. } = extension;
-        self.keep(kept, refuted);
+        (extension.kept, extension.refuted)
     }
 
     fn keep(&mut self, kept: Kept, refuted: Refutations) {
