@@ -112,6 +112,21 @@ proptest! {
         }
     }
 
+    /// To refute every closure that brings a conflict is to refute every map that has one.
+    #[test]
+    fn refuting_early_is_refuting_late(walk in tangled_walks(10), grid in grid_walks(14), lies in lies(10)) {
+        for visits in [walk.visits, grid.visits, lies] {
+            for axioms in permissive() {
+                let visits = affordable(&visits, axioms);
+                let clear = |it: &Candidate| Regions::of(&it.map).conflicts().next().is_none();
+                let late: Vec<reference::Story> =
+                    explain(visits, axioms).candidates().filter(clear).map(|it| story(&it)).collect();
+                let early = explain(visits, axioms.with_boundary(Some(Boundary::Hard)));
+                prop_assert_eq!(early.candidates().map(|it| story(&it)).collect::<Vec<_>>(), late);
+            }
+        }
+    }
+
     #[test]
     fn held_soft_it_refutes_nothing(walk in tangled_walks(8)) {
         for axioms in permissive() {

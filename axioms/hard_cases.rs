@@ -38,7 +38,7 @@ fn turning_around_in_a_dead_end_leads_back() {
     let walk = World::joined(&["a a!", "a? a"], &[((0, 0), (1, 1))]).follow((0, 0), &[0, 1, 0, 1]);
     for profile in Profile::ALL {
         let found = explain(&walk.visits, AxiomSet::of(profile));
-        assert_eq!(stories(&found), [walk.truth.clone()]);
+        assert_eq!(stories(&found), vec![walk.truth.clone()]);
         assert_eq!(found.report().refuted.total(), 0);
     }
 }

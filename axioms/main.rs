@@ -10,6 +10,7 @@ mod traces;
 mod explanation;
 mod golden;
 mod judge;
+mod measured;
 mod boundary;
 mod grid_walks;
 mod hard_cases;

@@ -1,6 +1,6 @@
 //! Random stars, worlds and walks, drawn from a sequence of choices so that failures shrink.
 
-use crate::reference::Story;
+use crate::reference::{End, Story};
 use proptest::prelude::*;
 use topostar::abduction::Visit;
 use topostar::star::{
@@ -242,7 +242,7 @@ impl World {
     }
 
     /// A world of some stars, and the pairs of gateways that path segments join.
-    pub(crate) fn joined(stars: &[&str], segments: &[((usize, usize), (usize, usize))]) -> World {
+    pub(crate) fn joined(stars: &[&str], segments: &[(End, End)]) -> World {
         let mut world = World::new(stars.iter().map(|text| Star::written(text)).collect());
         segments.iter().for_each(|&(a, b)| world.join(a, b));
         world

@@ -2,7 +2,7 @@
 //! the axiom that refutes the true map where one does.
 
 use crate::engine::{explain, names, stories, story};
-use crate::reference::{self, Story};
+use crate::reference::{self, End, Story};
 use crate::strategies::{Walk, World};
 use crate::traces::visits;
 use topostar::abduction::{AxiomId, AxiomSet, Boundary, Profile, Report, Simplicity, Visit};
@@ -16,7 +16,7 @@ fn recorded(trace: &str, walk: Walk) -> Walk {
 }
 
 /// Path segments around a ring, from the slot `out` of each place to the slot `back` of the next.
-fn ring(places: usize, out: usize, back: usize) -> Vec<((usize, usize), (usize, usize))> {
+fn ring(places: usize, out: usize, back: usize) -> Vec<(End, End)> {
     (0..places).map(|k| ((k, out), ((k + 1) % places, back))).collect()
 }
 
@@ -66,7 +66,7 @@ fn aliased_turns() -> Vec<Visit> {
 }
 
 /// North-west, north-east, south-east, south-west corner of the block, then north, and twice east.
-fn block_segments() -> Vec<((usize, usize), (usize, usize))> {
+fn block_segments() -> Vec<(End, End)> {
     vec![
         ((0, 1), (1, 3)),
         ((1, 2), (2, 0)),

@@ -45,6 +45,7 @@ pub mod trace;
 pub mod worlds;
 pub mod map;
 pub mod abduction;
+pub mod metric;
 pub mod explanation;
 pub mod export;
 pub mod service;

@@ -81,6 +81,7 @@ pub(super) struct WireWalk {
 pub(super) struct WireExpectations {
     pub(super) paper: WireExpectation,
     pub(super) default: WireExpectation,
+    pub(super) measured: Option<WireExpectation>,
 }
 
 /// What must come out in one profile.

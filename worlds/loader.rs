@@ -49,6 +49,11 @@ fn read(name: &str, text: &str) -> Result<World, Fault> {
         walk,
         paper: read_expectation("expect.paper", visits, wire.expect.paper)?,
         default: read_expectation("expect.default", visits, wire.expect.default)?,
+        measured: wire
+            .expect
+            .measured
+            .map(|measured| read_expectation("expect.measured", visits, measured))
+            .transpose()?,
     })
 }
 

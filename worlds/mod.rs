@@ -10,17 +10,21 @@ mod places;
 mod random;
 mod shapes;
 mod walk;
+pub mod corridor_grid;
 pub mod drawing;
+pub mod drift;
 pub mod loader;
 pub mod picture;
 pub mod rendering;
 pub mod simulator;
 pub mod world;
 
+pub use corridor_grid::{corridor_grid, covering_walk};
+pub use drift::{Drift, Odometer};
 pub use loader::{WorldError, load};
 pub use picture::picture;
 pub use rendering::{LpmTrace, lpm_trace};
-pub use simulator::{StarTrace, star_trace};
+pub use simulator::{StarTrace, drifting_trace, star_trace};
 pub use world::{Exit, Expectation, Minimal, Place, PlaceSlot, SlotRef, Truth, Visit, Walk, World};
 
 /// The bundled world files, name and text.

@@ -23,8 +23,10 @@ pub struct World {
     pub walk: Walk,
     /// What abduction must find in profile `paper`.
     pub paper: Expectation,
-    /// What abduction must find in profile `default`, without metric axioms.
+    /// What abduction must find in profile `default`, without measurements.
     pub default: Expectation,
+    /// What it must find in profile `default` with the measurements of a rendered trace, if that differs.
+    pub measured: Option<Expectation>,
 }
 
 /// A place of a world.
@@ -135,33 +137,45 @@ pub enum Truth {
     },
 }
 
-impl World {
-    /// The visits of the walk, in order.
-    pub fn visits(&self) -> Vec<Visit> {
-        let mut at = self.walk.start;
-        let mut visits = Vec::with_capacity(self.walk.leave.len() + 1);
-        for &departure in &self.walk.leave {
+impl Walk {
+    /// The visits of the walk through these places, in order.
+    pub fn visits(&self, places: &[Place]) -> Vec<Visit> {
+        let mut at = self.start;
+        let mut visits = Vec::with_capacity(self.leave.len() + 1);
+        for &departure in &self.leave {
             visits.push(Visit { place: at.place, arrival: at.slot, departure: Some(departure) });
-            let Exit::To(far) = self.places[at.place].slots[departure.0 as usize].exit else {
+            let Exit::To(far) = places[at.place].slots[departure.0 as usize].exit else {
                 return visits;
             };
             // Inside, the robot goes on in the direction opposite to the gateway's outward one.
-            let slot = self.places[far.place].slots[far.slot.0 as usize].opposite;
+            let slot = places[far.place].slots[far.slot.0 as usize].opposite;
             at = SlotRef { place: far.place, slot };
         }
         visits.push(Visit { place: at.place, arrival: at.slot, departure: None });
         visits
     }
+}
+
+impl World {
+    /// The visits of the walk, in order.
+    pub fn visits(&self) -> Vec<Visit> {
+        self.walk.visits(&self.places)
+    }
 
     /// The place of every visit, numbered by first visit.
     pub fn visited_places(&self) -> Vec<usize> {
-        let mut numbers = BTreeMap::new();
-        let mut number = |visit: Visit| {
-            let next = numbers.len();
-            *numbers.entry(visit.place).or_insert(next)
-        };
-        self.visits().into_iter().map(&mut number).collect()
+        numbered(&self.visits())
     }
+}
+
+/// The place of every visit, numbered by first visit.
+pub(super) fn numbered(visits: &[Visit]) -> Vec<usize> {
+    let mut numbers = BTreeMap::new();
+    let mut number = |visit: &Visit| {
+        let next = numbers.len();
+        *numbers.entry(visit.place).or_insert(next)
+    };
+    visits.iter().map(&mut number).collect()
 }
 
 impl Place {

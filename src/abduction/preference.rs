@@ -24,7 +24,7 @@ impl Simplicity {
     /// How simple a map is under these axioms.
     pub fn of(map: &TopologicalMap, axioms: AxiomSet) -> Self {
         let soft = axioms.boundary() == Some(Boundary::Soft);
-        let abnormalities = soft.then(|| Regions::of(map).abnormalities().len());
+        let abnormalities = soft.then(|| Regions::fewest_abnormalities(map));
         Simplicity { abnormalities, paths: map.path_count(), places: map.place_count() }
     }
 }

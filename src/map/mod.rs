@@ -5,6 +5,7 @@
 //! are immutable values; an extension is a new map. Symbols only: no metres, no views, no history.
 
 mod abnormality;
+mod boundaries;
 mod canonical;
 mod id;
 mod path;
@@ -21,6 +22,7 @@ pub use path::{BoundSlot, DirectedPath, Paths, Stop, TopoPath};
 pub use region::{Beside, Conflict, Crossing, PathRegions, Regions};
 pub use topological::{MapError, Segment, TopologicalMap};
 
+pub(crate) use boundaries::Boundaries;
 pub(crate) use place_set::PlaceSet;
 pub(crate) use star_table::{InternedStar, StarId, StarTable};
 pub(crate) use trail::{Face, face_segments, path_from_end, places_beyond};

@@ -17,6 +17,16 @@ impl PlaceSet {
     pub(crate) fn contains(&self, place: PlaceId) -> bool {
         self.0.contains(place.index())
     }
+
+    /// Makes the place a member.
+    pub(crate) fn insert(&mut self, place: PlaceId) {
+        self.0.insert(place.index());
+    }
+
+    /// Whether the sets have a member in common.
+    pub(crate) fn intersects(&self, other: &PlaceSet) -> bool {
+        self.0.words.iter().zip(&other.0.words).any(|(own, others)| own & others != 0)
+    }
 }
 
 impl FromIterator<PlaceId> for PlaceSet {

@@ -5,6 +5,7 @@
 
 use crate::abduction::{self, Abduction, Assertion, Revisable, Strategy, Visit, VisitError, WordError};
 use crate::lpm::Lpm;
+use crate::metric::Measurements;
 use crate::service::{Limits, MapConfig};
 use crate::star::PerceptionParameters;
 use crate::trace::perceive::perceive;
@@ -19,6 +20,7 @@ pub struct Session {
     limits: Limits,
     experience: Experience,
     abduction: Revisable,
+    measurements: Measurements,
     events: Vec<Arc<Event>>,
     cells: usize,
 }
@@ -82,6 +84,7 @@ impl Session {
             limits,
             experience: Experience::new(),
             abduction: Revisable::new(abduction),
+            measurements: Measurements::default(),
             events: Vec::new(),
             cells: 0,
         }
@@ -111,7 +114,11 @@ impl Session {
                 self.abduction.assert(Assertion { id: event.seq, visits, same })?;
             }
             (&EventKind::Retract { assert }, _) => self.abduction.retract(assert)?,
-            (_, Some(sighting)) => self.abduction.observe(&Visit::from(&sighting), None)?,
+            (_, Some(sighting)) => {
+                let measurements = self.measurements.with(&sighting);
+                self.abduction.observe(&Visit::from(&sighting), measurements.evidence())?;
+                self.measurements = measurements;
+            }
             (_, None) => {}
         }
         self.experience = experience;

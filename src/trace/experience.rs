@@ -4,7 +4,7 @@
 //! not come next without changing, and gives for every observation what the logic needs: the star, the slot the
 //! robot came in on, and the slot it had left the previous place by.
 
-use crate::geometry::{Pose, wrap_angle};
+use crate::geometry::{Point, Pose, wrap_angle};
 use crate::lpm::Lpm;
 use crate::star::{SlotIndex, SmallScaleStar};
 use crate::trace::event::{Assert, Event, EventKind, Observation, Percept, Travel, Turn, TurnTarget};
@@ -25,6 +25,29 @@ pub struct Sighting {
     pub arrival: SlotIndex,
     /// The slot of the previous star by which it left; `None` at the first observation.
     pub departure: Option<SlotIndex>,
+    /// The point of the place, in the frame of the observation, metres: the middle of a described LPM, the origin of
+    /// a bare star's frame, which is where the robot stood on arrival unless `robot_pose` says otherwise.
+    pub middle: Point,
+    /// The robot's pose on arrival in the frame of the observation.
+    pub robot_pose: Pose,
+    /// What was measured of the travel that led here; `None` unless it has odometry and a covariance.
+    pub motion: Option<Motion>,
+}
+
+/// A measured travel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// Where the travel began, in the frame of the observation before it.
+    pub start: Point,
+    /// Heading at its beginning in that frame, radians: as given, or that of the arrival, turned. `None` where the
+    /// robot turned to a slot without bearing by an angle not measured.
+    pub heading: Option<f64>,
+    /// Whether the trace gave the pose at its beginning, so that it need not be guessed from the arrival.
+    pub start_given: bool,
+    /// Displacement of the robot, in its frame at the beginning.
+    pub odometry: Pose,
+    /// Covariance of the displacement, row-major x, y, theta.
+    pub covariance: [f64; 9],
 }
 
 /// A star and the slot the robot is at in it, read off an LPM.
@@ -34,6 +57,8 @@ pub struct Described {
     pub star: SmallScaleStar,
     /// The directed fragment the robot came in on; at the first observation the slot it faces.
     pub arrival: SlotIndex,
+    /// The middle of the place, in the frame of the LPM.
+    pub middle: Point,
 }
 
 /// Why an event may not come here.
@@ -149,7 +174,7 @@ enum Phase {
     Start,
     Place(Here),
     /// Left by a slot, `None` where grids are not looked into, and on the way.
-    Travelling(Option<SlotIndex>, Box<Travel>),
+    Travelling(Option<SlotIndex>, Box<Travel>, Option<Motion>),
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -158,6 +183,8 @@ struct Here {
     facing: Option<(SmallScaleStar, SlotIndex)>,
     /// Direction in the frame of the observation, where it has one.
     heading: Option<f64>,
+    /// Where the robot was on arrival in that frame.
+    position: Point,
 }
 
 impl Experience {
@@ -215,13 +242,13 @@ impl Experience {
         describe: Option<Describe>,
     ) -> Result<(Phase, Option<Sighting>), ExperienceError> {
         Ok(match (kind, &self.phase) {
-            (EventKind::Observation(seen), Phase::Start) => observe(seen, None, None, describe)?,
-            (EventKind::Observation(seen), Phase::Travelling(departure, travel)) => {
-                observe(seen, *departure, Some(travel), describe)?
+            (EventKind::Observation(seen), Phase::Start) => observe(seen, None, None, None, describe)?,
+            (EventKind::Observation(seen), Phase::Travelling(departure, travel, motion)) => {
+                observe(seen, *departure, Some(travel), *motion, describe)?
             }
             (EventKind::Turn(turn), Phase::Place(here)) => (Phase::Place(here.turned(turn)?), None),
             (EventKind::Travel(travel), Phase::Place(here)) => {
-                (Phase::Travelling(here.departure()?, travel.clone()), None)
+                (Phase::Travelling(here.departure()?, travel.clone(), here.motion(travel)), None)
             }
             (found, phase) => return Err(out_of_order(found, phase)),
         })
@@ -261,7 +288,8 @@ impl Here {
                     let last = star.slots().len() as u8 - 1;
                     return Err(ExperienceError::TurnOutOfRange { found: slot.0, last });
                 };
-                (slot, target.bearing)
+                let turned = self.heading.zip(turn.angle).map(|(heading, angle)| wrap_angle(heading + angle));
+                (slot, turned.or(target.bearing))
             }
             TurnTarget::Heading(heading) => (slot_towards(star, heading)?, Some(heading)),
             TurnTarget::Angle(angle) => {
@@ -269,7 +297,20 @@ impl Here {
                 (slot_towards(star, heading)?, Some(wrap_angle(heading)))
             }
         };
-        Ok(Here { facing: Some((star.clone(), slot)), heading })
+        Ok(Here { facing: Some((star.clone(), slot)), heading, position: self.position })
+    }
+
+    /// What was measured of a travel from here.
+    fn motion(&self, travel: &Travel) -> Option<Motion> {
+        let (odometry, covariance) = travel.odometry.zip(travel.covariance)?;
+        let given = travel.from_pose;
+        Some(Motion {
+            start: given.map_or(self.position, |pose| pose.position()),
+            heading: given.map(|pose| pose.theta).or(self.heading),
+            start_given: given.is_some(),
+            odometry,
+            covariance,
+        })
     }
 
     fn departure(&self) -> Result<Option<SlotIndex>, ExperienceError> {
@@ -296,25 +337,36 @@ fn observe(
     seen: &Observation,
     departure: Option<SlotIndex>,
     travel: Option<&Travel>,
+    motion: Option<Motion>,
     describe: Option<Describe>,
 ) -> Result<(Phase, Option<Sighting>), ExperienceError> {
-    let (star, arrival, robot_pose) = match (&seen.percept, describe) {
-        (Percept::Star { star, dstate, robot_pose }, _) => (star.clone(), *dstate, *robot_pose),
+    let (described, robot_pose) = match (&seen.percept, describe) {
+        (Percept::Star { star, dstate, robot_pose }, _) => {
+            // The frame of a bare star is the robot's pose on arrival.
+            let described = Described { star: star.clone(), arrival: *dstate, middle: Point::origin() };
+            (described, robot_pose.unwrap_or(Pose::IDENTITY))
+        }
         (Percept::Lpm(lpm), Some(describe)) => {
             let trail = travel.map(|travel| travel.trail(&lpm.robot_pose)).unwrap_or_default();
             let lpm = Lpm { trail, ..lpm.clone() };
-            let Described { star, arrival } = describe(&lpm, travel.is_none())?;
-            (star, arrival, Some(lpm.robot_pose))
+            (describe(&lpm, travel.is_none())?, lpm.robot_pose)
         }
-        (Percept::Lpm(_), None) => return Ok((Phase::Place(Here { facing: None, heading: None }), None)),
+        (Percept::Lpm(lpm), None) => {
+            let position = lpm.robot_pose.position();
+            return Ok((Phase::Place(Here { facing: None, heading: None, position }), None));
+        }
     };
+    let Described { star, arrival, middle } = described;
     if travel.is_some() && star.slot(arrival).is_none_or(|slot| slot.inward.is_none()) {
         return Err(ExperienceError::ArrivalNotInward(arrival.0));
     }
-    // The frame of a bare star is the robot's pose on arrival.
-    let heading = robot_pose.unwrap_or(Pose::IDENTITY).theta;
-    let here = Here { facing: Some((star.clone(), arrival)), heading: Some(heading) };
-    Ok((Phase::Place(here), Some(Sighting { star, arrival, departure })))
+    let here = Here {
+        facing: Some((star.clone(), arrival)),
+        heading: Some(robot_pose.theta),
+        position: robot_pose.position(),
+    };
+    let sighting = Sighting { star, arrival, departure, middle, robot_pose, motion };
+    Ok((Phase::Place(here), Some(sighting)))
 }
 
 fn out_of_order(found: &EventKind, phase: &Phase) -> ExperienceError {

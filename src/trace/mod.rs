@@ -4,7 +4,8 @@
 //! turns and one travel, which ends at the next observation; an operator's word may stand between any two events;
 //! a trace may stop anywhere. [`event`] holds the
 //! values, [`wire`] their JSON form with [`wire_star`] and [`wire_grid`], [`ndjson`] reads and writes lines, and
-//! [`recording`] cuts a log into a trace. [`experience`] checks the grammar and turns grids into stars
+//! [`recording`] cuts a log into a trace, with
+//! [`odometry`] to say how uncertain it is. [`experience`] checks the grammar and turns grids into stars
 //! ([`perceive`]), so that what leaves this module is what the logic needs.
 
 pub mod event;
@@ -16,9 +17,10 @@ pub mod wire;
 pub mod experience;
 pub mod perceive;
 pub mod ndjson;
+pub mod odometry;
 pub mod recording;
 
 pub use event::{Assert, Event, EventKind, Observation, Percept, Stamp, Travel, Turn, TurnTarget};
 pub use event_error::EventError;
-pub use experience::{Experience, ExperienceError, Sighting};
+pub use experience::{Experience, ExperienceError, Motion, Sighting};
 pub use ndjson::{TraceError, parse_event, read_lines, read_trace, write_event, write_trace};

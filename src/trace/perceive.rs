@@ -15,5 +15,6 @@ pub fn perceive(
     let unknown = "robot_pose does not tell through which gateway the robot came in; expected a pose near a \
                    gateway, heading inward";
     let arrival = if first { Some(place.facing) } else { place.arrival };
-    Ok(Described { arrival: arrival.ok_or_else(|| refused(unknown.into()))?, star: place.star })
+    let arrival = arrival.ok_or_else(|| refused(unknown.into()))?;
+    Ok(Described { star: place.star, arrival, middle: place.center })
 }

@@ -9,6 +9,7 @@ use crate::grid::{GridError, GridInfo, OccupancyGrid};
 use crate::lpm::Lpm;
 use crate::sensor::{EvidenceGrid, LaserScan};
 use crate::trace::event::{Event, EventKind, Observation, Percept, Travel, Turn, TurnTarget};
+use crate::trace::odometry::OdometryNoise;
 use std::ops::RangeInclusive;
 use thiserror::Error;
 
@@ -27,6 +28,8 @@ pub struct RecordingParameters {
     pub step: f64,
     /// or turned by this many radians.
     pub turn: f64,
+    /// How uncertain the log's odometry is.
+    pub odometry: OdometryNoise,
 }
 
 impl Default for RecordingParameters {
@@ -39,6 +42,7 @@ impl Default for RecordingParameters {
             resolution: 0.05,
             step: 0.05,
             turn,
+            odometry: OdometryNoise::default(),
         }
     }
 }
@@ -128,7 +132,7 @@ pub fn cut(
                 target: TurnTarget::Heading(place.way_out(scans)),
                 angle: None,
             }));
-            kinds.push(EventKind::Travel(Box::new(place.travel(scans, next))));
+            kinds.push(EventKind::Travel(Box::new(place.travel(scans, next, &parameters.odometry))));
         }
     }
     Ok(kinds.into_iter().zip(0..).map(|(kind, seq)| Event { seq, stamp: None, kind }).collect())
@@ -202,12 +206,15 @@ impl Stay {
         bearing(&(scans[self.departure].odom_from_robot.position() - self.center))
     }
 
-    fn travel(&self, scans: &[LaserScan], next: usize) -> Travel {
+    /// The travel to the next arrival. Its covariance is that of all that was driven since this one, as place and
+    /// arrival are measured by the same odometry.
+    fn travel(&self, scans: &[LaserScan], next: usize, noise: &OdometryNoise) -> Travel {
         let start = scans[self.departure].odom_from_robot;
         let seen_from_start = |k: usize| start.inverse().compose(&scans[k].odom_from_robot);
+        let driven: Vec<Pose> = scans[self.arrival..=next].iter().map(|scan| scan.odom_from_robot).collect();
         Travel {
             odometry: Some(seen_from_start(next)),
-            covariance: None,
+            covariance: Some(noise.covariance(&driven, &start)),
             from_pose: Some(self.lpm_from(&start)),
             shape: shape((self.departure..=next).map(seen_from_start)),
         }

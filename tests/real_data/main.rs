@@ -2,19 +2,21 @@
 //!
 //! `cargo xtask test` runs them where the folder is there, and else names them as skipped.
 
-#![allow(clippy::unwrap_used, reason = "a helper of tests fails the test")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a helper of tests fails the test")]
 
 use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use topostar::abduction::{Abduction, AxiomSet, Limits, Profile, Visit, judge};
 use topostar::export::Report;
+use topostar::metric::Measurements;
 use topostar::sensor::CarmenLog;
-use topostar::service::{Limits, Maps, MemoryStore, app};
+use topostar::service::{self, Maps, MemoryStore, app};
 use topostar::star::{LargeScaleStar, PerceptionParameters};
 use topostar::trace::perceive::perceive;
 use topostar::trace::recording::{Arrival, RecordingParameters, cut};
-use topostar::trace::{Event, Experience, write_trace};
+use topostar::trace::{Event, EventKind, Experience, Percept, Sighting, read_trace, write_trace};
 
 fn data(file: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(file)
@@ -76,13 +78,80 @@ fn a_place_of_the_aces_building_reads_alike_at_every_visit() {
     }
 }
 
+/// The route as it was listed by hand, with the raw odometry of the log: the frame of each observation has the axes of
+/// the odometry, and its origin is where the list of arrivals puts the middle of the place.
+fn aces_stars_measured() -> Vec<Sighting> {
+    let (_, _, cut) = aces();
+    let text = fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds/aces-stars.ndjson")).unwrap();
+    let (listed, fault) = read_trace(text.as_slice());
+    assert!(fault.is_none());
+    let mut poses = cut.iter().filter_map(|event| match &event.kind {
+        EventKind::Observation(seen) => match &seen.percept {
+            Percept::Lpm(lpm) => Some(lpm.robot_pose),
+            Percept::Star { .. } => None,
+        },
+        _ => None,
+    });
+    let mut travels = cut.iter().filter_map(|event| match &event.kind {
+        EventKind::Travel(travel) => Some(travel.clone()),
+        _ => None,
+    });
+    let mut experience = Experience::new();
+    let measured = listed.into_iter().map(|mut event| {
+        match &mut event.kind {
+            EventKind::Observation(seen) => {
+                let Percept::Star { robot_pose, .. } = &mut seen.percept else { panic!("no bare star") };
+                *robot_pose = poses.next();
+            }
+            EventKind::Travel(travel) => *travel = travels.next().unwrap(),
+            EventKind::Turn(_) => {}
+        }
+        experience.accept(&event, &|_, _| unreachable!("bare stars")).unwrap()
+    });
+    measured.flatten().collect()
+}
+
+/// Position alone closes loops here, as the stars listed by hand have no bearings.
+#[test]
+fn raw_odometry_keeps_the_true_map_of_the_aces_building() {
+    let sightings = aces_stars_measured();
+    let axioms = AxiomSet::of(Profile::Default);
+    let (mut bare, mut found) =
+        (Abduction::new(axioms, Limits::default()), Abduction::new(axioms, Limits::default()));
+    let mut measured = Measurements::default();
+    for sighting in &sightings {
+        let visit = Visit::from(sighting);
+        measured = measured.with(sighting);
+        bare.observe(&visit).unwrap();
+        found.observe_measured(&visit, measured.evidence()).unwrap();
+    }
+    let truth = &bare.report().minimal[0];
+    let report = found.report();
+    let counts: Vec<u64> = report.candidates_per_observation.iter().map(|count| count.value).collect();
+    println!("candidates {counts:?}, refuted {:?}", report.refuted.iter().collect::<Vec<_>>());
+    let visits: Vec<Visit> = sightings.iter().map(Visit::from).collect();
+    for candidate in bare.candidates() {
+        match judge(&visits, measured.evidence().as_deref(), axioms, &candidate.visits) {
+            Ok(_) => println!("{:?} remains", candidate.places()),
+            Err(why) => println!(
+                "{:?} falls at {} by {}: {}",
+                candidate.places(),
+                why.observation,
+                why.axiom.name(),
+                why.clash.words
+            ),
+        }
+    }
+    assert_eq!(report.minimal.iter().map(|minimal| &minimal.visits).collect::<Vec<_>>(), [&truth.visits]);
+}
+
 #[test]
 fn the_grids_of_the_aces_log_are_taken_over_http() {
     let (_, _, events) = aces();
     let runtime = tokio::runtime::Runtime::new().unwrap();
     let listener = runtime.block_on(tokio::net::TcpListener::bind("127.0.0.1:0")).unwrap();
     let url = format!("http://{}/v1/maps/aces", listener.local_addr().unwrap());
-    let limits = Limits::default();
+    let limits = service::Limits::default();
     let maps = Maps::new(Arc::new(MemoryStore::new(limits.maps)), limits);
     runtime.spawn(async { axum::serve(listener, app(maps)).await });
     ureq::put(&url).send_empty().unwrap();

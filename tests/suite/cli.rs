@@ -65,6 +65,38 @@ fn the_report_has_the_fields_that_are_promised() {
 }
 
 #[test]
+fn boundaries_refute_or_rank_as_asked() {
+    let crescent = |how: &[&str]| {
+        topostar(&[&["map", "worlds/crescent.ndjson", "--profile", "paper", "--json"], how].concat())
+    };
+    let bare = json(&crescent(&[]));
+    assert_eq!((&bare["candidates"]["value"], &bare["preferred"]["places"]), (&3.into(), &3.into()));
+    assert!(bare["preferred"].get("abnormalities").is_none());
+    let soft = json(&crescent(&["--boundary", "soft"]));
+    assert_eq!((&soft["candidates"]["value"], &soft["preferred"]["abnormalities"]), (&3.into(), &0.into()));
+    assert_eq!(soft["preferred"]["places"], 4);
+    let hard = json(&crescent(&["--boundary", "hard"]));
+    assert_eq!((&hard["candidates"]["value"], &hard["refuted"]["boundary"]), (&1.into(), &2.into()));
+    let listed = topostar(&[
+        "map",
+        "worlds/crescent.ndjson",
+        "--axioms",
+        "determinism,star-match",
+        "--boundary",
+        "hard",
+    ]);
+    assert_eq!(listed.status.code(), Some(2));
+}
+
+/// Where the second crossing is on a path and beside it, the text says for which path it is no boundary.
+#[test]
+fn the_map_in_words_says_what_lies_beside_each_path() {
+    let words = text(&topostar(&["map", "worlds/crescent.ndjson", "--profile", "paper"]).stdout);
+    assert!(words.contains("  Pa1   left -; right 0 1; no boundary for Pa2\n"), "{words}");
+    assert!(words.contains("  Pa2   left 0 1 2; right -; no boundary for Pa1\n"), "{words}");
+}
+
+#[test]
 fn a_trace_comes_from_standard_input_too() {
     let trace =
         std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds/aces-stars.ndjson")).unwrap();
@@ -220,7 +252,7 @@ fn the_demo_prefers_the_true_office_and_draws_it() {
     let output = topostar(&["demo", "-o", folder.path().to_str().unwrap()]);
     let printed = text(&output.stdout);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    assert!(printed.contains("preferred map: 1 of 23 possible, the simplest, proven"), "{printed}");
+    assert!(printed.contains("preferred map: 1 of 16 possible, the simplest, proven"), "{printed}");
     assert!(printed.contains("visits to places 0 1 2 3 4 5 6 7 0 8 4 8 6 8 2"), "{printed}");
     let drawn = std::fs::read_to_string(folder.path().join("office.svg")).unwrap();
     assert_golden("worlds/pictures/office-map.svg", &drawn);
@@ -233,10 +265,15 @@ fn every_world_is_written_mapped_and_drawn() {
     for name in names.lines().filter_map(|line| line.split_whitespace().next()) {
         let grids = topostar(&["world", name, "--seed", "3", "--resolution", "0.1"]);
         let stars = topostar(&["world", name, "--stars"]);
+        // Grids come with odometry, stars without.
+        let symbols = "determinism,star-match,travel-moves,path-order,planarity";
         let counts = |trace: &Output| {
-            json(&fed(&["map", "-", "--json"], &trace.stdout))["candidates_per_observation"].clone()
+            json(&fed(&["map", "-", "--json", "--axioms", symbols], &trace.stdout))["candidates_per_observation"]
+                .clone()
         };
         assert_eq!(counts(&grids), counts(&stars), "{name}");
+        let measured = json(&fed(&["map", "-", "--json"], &grids.stdout));
+        assert!(measured["axioms"].as_array().unwrap().contains(&"closure".into()), "{name}");
         assert!(text(&topostar(&["world", name, "--picture"]).stdout).starts_with("<svg"), "{name}");
     }
 }

@@ -19,6 +19,7 @@ const MATRIX: &[(&str, &[&str])] = &[
     ("worlds", &["geometry", "grid", "lpm", "star", "trace"]),
     ("map", &["star"]),
     ("abduction", &["star", "map"]),
+    ("metric", &["geometry", "star", "trace", "map", "abduction"]),
     ("explanation", &["star", "map", "abduction"]),
     (
         "export",
@@ -26,7 +27,7 @@ const MATRIX: &[(&str, &[&str])] = &[
     ),
     (
         "service",
-        &["geometry", "grid", "lpm", "gateway", "star", "trace", "map", "abduction", "explanation", "export"],
+        &["geometry", "grid", "lpm", "gateway", "star", "trace", "map", "abduction", "metric", "explanation", "export"],
     ),
     (
         "cli",
@@ -41,6 +42,7 @@ const MATRIX: &[(&str, &[&str])] = &[
             "worlds",
             "map",
             "abduction",
+            "metric",
             "explanation",
             "export",
             "service",
@@ -49,7 +51,7 @@ const MATRIX: &[(&str, &[&str])] = &[
 ];
 
 /// Modules that know neither wire types, nor clocks, files, environment or global state.
-const CORE: &[&str] = &["geometry", "grid", "lpm", "gateway", "star", "map", "abduction", "explanation"];
+const CORE: &[&str] = &["geometry", "grid", "lpm", "gateway", "star", "map", "abduction", "metric", "explanation"];
 const NOT_IN_CORE: &[&str] = &[
     "serde",
     "utoipa",

@@ -3,7 +3,10 @@
 
 #![allow(clippy::unwrap_used, reason = "a helper of tests fails the test")]
 
-use topostar::abduction::{Abduction, Assignment, AxiomId, AxiomSet, Limits, Profile, Report, Visit};
+use topostar::abduction::{
+    Abduction, Assignment, AxiomId, AxiomSet, Candidate, Limits, Profile, Report, Visit,
+};
+use topostar::metric::Measurements;
 use topostar::star::{LargeScaleStar, PerceptionParameters, SlotIndex};
 use topostar::trace::event::Event;
 use topostar::trace::experience::{Experience, Sighting};
@@ -154,6 +157,40 @@ fn check_grids(world: &World, trace: &LpmTrace) {
     for (profile, expected) in profiles(world) {
         check(world, expected, &explain(&seen, profile).report());
     }
+}
+
+/// What was measured takes candidates away, never the true one.
+#[test]
+fn measurements_refute_rivals_and_never_the_true_map() {
+    for world in all() {
+        for seed in 0..4 {
+            let trace = lpm_trace(&world, seed, 0.1).unwrap();
+            let abduction = explain_measured(&sightings(&trace.events));
+            let report = abduction.report();
+            let expected = world.measured.as_ref().unwrap_or(&world.default);
+            check(&world, expected, &report);
+            let left = expected.candidates.iter().zip(&world.default.candidates);
+            assert!(left.clone().all(|(left, all)| left <= all), "{}", world.name);
+            let is_true = |candidate: &Candidate| candidate.places() == trace.places;
+            let minimal = report.minimal.iter().any(is_true);
+            let kept = abduction.candidates().any(|candidate| is_true(&candidate));
+            match expected.truth {
+                Truth::Minimal => assert!(minimal, "{}", world.name),
+                Truth::Candidate => assert!(kept && !minimal, "{}", world.name),
+                Truth::Refuted { .. } => assert!(!kept, "{}", world.name),
+            }
+        }
+    }
+}
+
+fn explain_measured(sightings: &[Sighting]) -> Abduction {
+    let mut measured = Measurements::default();
+    let mut abduction = Abduction::new(AxiomSet::of(Profile::Default), Limits::default());
+    for sighting in sightings {
+        measured = measured.with(sighting);
+        abduction.observe_measured(&Visit::from(sighting), measured.evidence()).unwrap();
+    }
+    abduction
 }
 
 #[test]

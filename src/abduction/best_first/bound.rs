@@ -1,7 +1,7 @@
 //! How simple the maps below a quotient can be at best.
 
-use super::quotient::Quotient;
-use super::walk::{Rotations, Walk};
+use super::quotient::{Quotient, turned};
+use super::walk::Walk;
 use crate::abduction::Simplicity;
 use std::cmp::Reverse;
 
@@ -30,19 +30,15 @@ fn ends(walk: &Walk, quotient: &Quotient, classes: &[usize], class: usize) -> us
     if !walk.tracked(class) {
         return walk.blocked(class);
     }
-    let free = |slot: &usize| walk.navigable(class, *slot) && quotient.far_end(walk, class, *slot).is_none();
-    let mut unfilled: Rotations = (0..size).filter(free).fold(0, |set, slot| set | 1 << slot);
+    let mut unfilled = walk.navigable(class) & !quotient.filled(class);
     for &other in classes {
         if unfilled == 0 {
             break;
         }
-        let rotations = if other == class { 0 } else { quotient.alike(other, class) };
-        for rotation in (0..size).filter(|rotation| rotations & 1 << rotation != 0) {
-            for slot in 0..size {
-                if quotient.far_end(walk, other, slot).is_some() {
-                    unfilled &= !(1 << ((slot + rotation) % size));
-                }
-            }
+        let mut rotations = if other == class { 0 } else { quotient.alike(other, class) };
+        while rotations != 0 {
+            unfilled &= !turned(quotient.filled(other), rotations.trailing_zeros() as usize, size);
+            rotations &= rotations - 1;
         }
     }
     walk.blocked(class) + unfilled.count_ones() as usize

@@ -90,6 +90,7 @@ pub(super) struct Budget<'a> {
 struct Decision {
     class: usize,
     ways: Vec<Way>,
+    classes: Vec<usize>,
     settled: Vec<usize>,
     mark: Mark,
     bound: Simplicity,
@@ -131,6 +132,7 @@ impl BestFirst {
                 return;
             }
             self.quotient.undo(decision.mark);
+            self.quotient.list(&decision.classes);
             let hopeless = self.found.simplicity.is_some_and(|least| decision.bound > least);
             match decision.ways.pop().filter(|_| !hopeless) {
                 None => drop(self.agenda.pop()),
@@ -171,17 +173,24 @@ impl BestFirst {
         for (k, &class) in classes.iter().enumerate() {
             for &onto in &classes[..k] {
                 for rotation in self.rotations(class, onto) {
-                    let _ = self.probe(class, onto, rotation);
+                    let _ = self.probe(&[], class, onto, rotation);
                 }
             }
         }
     }
 
     /// The number of classes that are left if one lies on another; none if it cannot, which is noted.
-    fn probe(&mut self, class: usize, onto: usize, rotation: usize) -> Option<usize> {
+    fn probe(&mut self, settled: &[usize], class: usize, onto: usize, rotation: usize) -> Option<usize> {
         let mark = self.quotient.mark();
-        let merged = self.quotient.merge(&self.walk, class, onto, rotation, self.experience.axioms);
-        let left = self.quotient.classes(&self.walk).filter(|&it| !self.quotient.is_settled(it)).count();
+        let axioms = self.experience.axioms;
+        let merged = self.quotient.merge(&self.walk, class, onto, rotation, axioms);
+        let left = self.quotient.count();
+        let merged = match merged {
+            Ok(()) if axioms.contains(AxiomId::Planarity) && !planar(&self.walk, &self.quotient, settled) => {
+                Err(AxiomId::Planarity)
+            }
+            merged => merged,
+        };
         self.quotient.undo(mark);
         match merged {
             Ok(()) => Some(left),
@@ -215,6 +224,7 @@ impl BestFirst {
     fn look(&mut self) {
         self.effort.steps += 1;
         let classes: Vec<usize> = self.quotient.classes(&self.walk).collect();
+        self.quotient.list(&classes);
         let (settled, open): (Vec<usize>, Vec<usize>) =
             classes.iter().partition(|&&class| self.quotient.is_settled(class));
         let axioms = self.experience.axioms;
@@ -232,7 +242,7 @@ impl BestFirst {
             return;
         }
         match self.next(&settled, &open) {
-            Some(class) => self.decide(class, settled, bound),
+            Some(class) => self.decide(class, classes, settled, bound),
             None => self.keep(),
         }
     }
@@ -251,18 +261,18 @@ impl BestFirst {
     }
 
     /// Puts the ways that are left for a class on the agenda: those that fold most are taken first, a new place last.
-    fn decide(&mut self, class: usize, settled: Vec<usize>, bound: Simplicity) {
+    fn decide(&mut self, class: usize, classes: Vec<usize>, settled: Vec<usize>, bound: Simplicity) {
         let mut folded = Vec::new();
         for &onto in &settled {
             for rotation in self.rotations(class, onto) {
-                let left = self.probe(class, onto, rotation);
+                let left = self.probe(&settled, class, onto, rotation);
                 folded.extend(left.map(|left| (left, folded.len(), Way::Merged { onto, rotation })));
             }
         }
         folded.sort_by_key(|&(left, rank, _)| (left, rank));
         let ways = std::iter::once(Way::New).chain(folded.into_iter().rev().map(|(_, _, way)| way)).collect();
         let mark = self.quotient.mark();
-        self.agenda.push(Decision { class, ways, settled, mark, bound });
+        self.agenda.push(Decision { class, ways, classes, settled, mark, bound });
     }
 
     /// Whether all axioms and the operator's word allow the decided beginning of the walk.

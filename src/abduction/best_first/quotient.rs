@@ -23,18 +23,26 @@ pub(super) struct Quotient {
     next: Trailed<u16>,
     /// For each dstate of a naming visit the dstate at its far end, of any visit of the class there; [`NONE`] without.
     far: Trailed<u32>,
+    /// For each naming visit the slots with a far end, where sets are kept.
+    filled: Trailed<Rotations>,
     settled: Trailed<bool>,
+    /// One cell: the number of classes.
+    count: Trailed<usize>,
     /// For each two naming visits the rotations under which they might still be one place.
     alike: Trailed<Rotations>,
-    passed: Vec<u32>,
-    pass: u32,
+    /// The classes when they were last listed: all that there are now are among them.
+    roots: Vec<u16>,
+    /// For each visit and each dstate the last pass along a path that came to it.
+    passed: Vec<u64>,
+    walked: Vec<u64>,
+    pass: u64,
     merges: Vec<Merge>,
     touched: Vec<usize>,
 }
 
 /// A state to come back to.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Mark([usize; 6]);
+pub(super) struct Mark([usize; 8]);
 
 /// Slot `s` of visit `visit` is slot `s + rotation` of visit `onto`.
 #[derive(Clone, Copy, Debug)]
@@ -62,9 +70,13 @@ impl Quotient {
             turn: Trailed::new(vec![0; visits]),
             next: Trailed::new((0..visits as u16).collect()),
             far: Trailed::new(vec![NONE; walk.dstates()]),
+            filled: Trailed::new(vec![0; visits]),
+            count: Trailed::new(vec![visits]),
             settled: Trailed::new(vec![false; visits]),
             alike: Trailed::new(alike),
+            roots: (0..visits as u16).collect(),
             passed: vec![0; visits],
+            walked: vec![0; walk.dstates()],
             pass: 0,
             merges: Vec::new(),
             touched: Vec::new(),
@@ -119,6 +131,17 @@ impl Quotient {
         (0..walk.len()).filter(|&visit| self.name.get(visit) as usize == visit)
     }
 
+    /// Lists the classes, so that merging need not look for them. To be called again after [`Quotient::undo`].
+    pub(super) fn list(&mut self, classes: &[usize]) {
+        self.roots.clear();
+        self.roots.extend(classes.iter().map(|&class| class as u16));
+    }
+
+    /// The number of classes.
+    pub(super) fn count(&self) -> usize {
+        self.count.get(0)
+    }
+
     /// The visits of a class.
     pub(super) fn visits(&self, class: usize) -> impl Iterator<Item = usize> {
         std::iter::successors(Some(class), move |&visit| {
@@ -136,6 +159,11 @@ impl Quotient {
         self.alike.get(class * self.passed.len() + onto)
     }
 
+    /// The slots of a class with a far end, one bit each; none for stars without sets.
+    pub(super) fn filled(&self, class: usize) -> Rotations {
+        self.filled.get(class)
+    }
+
     /// The class and slot at the far end of a class's slot.
     pub(super) fn far_end(&self, walk: &Walk, class: usize, slot: usize) -> Option<(usize, usize)> {
         let far = self.far.get(walk.dstate(class, slot));
@@ -144,17 +172,29 @@ impl Quotient {
 
     /// The present state.
     pub(super) fn mark(&self) -> Mark {
-        let Quotient { name, turn, next, far, settled, alike, .. } = self;
-        Mark([name.mark(), turn.mark(), next.mark(), far.mark(), settled.mark(), alike.mark()])
+        let Quotient { name, turn, next, far, filled, settled, count, alike, .. } = self;
+        let marks = [name.mark(), turn.mark(), next.mark(), far.mark()];
+        Mark([
+            marks[0],
+            marks[1],
+            marks[2],
+            marks[3],
+            filled.mark(),
+            settled.mark(),
+            count.mark(),
+            alike.mark(),
+        ])
     }
 
     /// Back to a state before.
-    pub(super) fn undo(&mut self, Mark([name, turn, next, far, settled, alike]): Mark) {
+    pub(super) fn undo(&mut self, Mark([name, turn, next, far, filled, settled, count, alike]): Mark) {
         self.name.undo(name);
         self.turn.undo(turn);
         self.next.undo(next);
         self.far.undo(far);
+        self.filled.undo(filled);
         self.settled.undo(settled);
+        self.count.undo(count);
         self.alike.undo(alike);
     }
 
@@ -164,10 +204,10 @@ impl Quotient {
         let (from, turn) = self.class(visit - 1);
         let from = walk.dstate(from, (departure + turn) % walk.size(from));
         let to = walk.dstate(visit, gateway);
-        self.far.set(to, from as u32);
+        self.set_far(walk, to, from as u32);
         match self.far.get(from) {
             NONE => {
-                self.far.set(from, to as u32);
+                self.set_far(walk, from, to as u32);
                 Ok(())
             }
             known => {
@@ -203,6 +243,7 @@ impl Quotient {
         self.narrow(walk, from, to, rotation)?;
         self.rename(walk, from, to, rotation);
         self.touched.push(to);
+        self.count.set(0, self.count.get(0) - 1);
         for slot in 0..size {
             let far = self.far.get(walk.dstate(from, slot));
             if far == NONE {
@@ -210,7 +251,7 @@ impl Quotient {
             }
             let own = walk.dstate(to, (slot + rotation) % size);
             match self.far.get(own) {
-                NONE => self.far.set(own, far),
+                NONE => self.set_far(walk, own, far),
                 known => self.follow(walk, far, known)?,
             }
         }
@@ -239,7 +280,8 @@ impl Quotient {
             return Err(AxiomId::Determinism);
         }
         let size = walk.size(from);
-        for other in 0..walk.len() {
+        for index in 0..self.roots.len() {
+            let other = self.roots[index] as usize;
             let is_class = self.name.get(other) as usize == other;
             if !is_class || other == from || other == to || walk.size(other) != size {
                 continue;
@@ -274,25 +316,24 @@ impl Quotient {
 
     /// Whether the paths through all classes just merged are still in order, and no travel stays where it was.
     fn check_paths(&mut self, walk: &Walk, axioms: AxiomSet) -> Result<(), AxiomId> {
+        let before = self.pass;
         for index in 0..self.touched.len() {
             let class = self.touched[index];
             if self.name.get(class) as usize != class {
                 continue;
             }
             for slot in 0..walk.size(class) {
-                let Some(far) = self.far_end(walk, class, slot) else { continue };
-                if far == (class, slot) {
-                    return Err(AxiomId::Determinism);
+                match self.far_end(walk, class, slot) {
+                    Some(far) if far == (class, slot) => return Err(AxiomId::Determinism),
+                    Some((far, _)) if far == class && axioms.contains(AxiomId::TravelMoves) => {
+                        return Err(AxiomId::TravelMoves);
+                    }
+                    _ => {}
                 }
-                if far.0 == class && axioms.contains(AxiomId::TravelMoves) {
-                    return Err(AxiomId::TravelMoves);
+                let is_new = self.walked[walk.dstate(class, slot)] <= before;
+                if is_new && axioms.contains(AxiomId::PathOrder) && !self.in_order(walk, class, slot) {
+                    return Err(AxiomId::PathOrder);
                 }
-            }
-            let each_fragment = |&slot: &usize| slot < walk.opposite(class, slot);
-            if axioms.contains(AxiomId::PathOrder)
-                && !(0..walk.size(class)).filter(each_fragment).all(|slot| self.in_order(walk, class, slot))
-            {
-                return Err(AxiomId::PathOrder);
             }
         }
         Ok(())
@@ -304,14 +345,16 @@ impl Quotient {
         self.passed[class] = self.pass;
         [slot, walk.opposite(class, slot)].into_iter().all(|start| {
             let (mut at, mut ahead) = (class, start);
-            while let Some((next, gateway)) = self.far_end(walk, at, ahead) {
+            loop {
+                self.walked[walk.dstate(at, ahead)] = self.pass;
+                let Some((next, gateway)) = self.far_end(walk, at, ahead) else { return true };
                 if self.passed[next] == self.pass {
                     return false;
                 }
                 self.passed[next] = self.pass;
+                self.walked[walk.dstate(next, gateway)] = self.pass;
                 (at, ahead) = (next, walk.opposite(next, gateway));
             }
-            true
         })
     }
 
@@ -319,6 +362,14 @@ impl Quotient {
         let (visit, slot) = walk.place_of(dstate as usize);
         let (class, turn) = self.class(visit);
         (class, (slot + turn) % walk.size(class))
+    }
+
+    fn set_far(&mut self, walk: &Walk, dstate: usize, far: u32) {
+        self.far.set(dstate, far);
+        let (visit, slot) = walk.place_of(dstate);
+        if walk.tracked(visit) {
+            self.filled.set(visit, self.filled.get(visit) | 1 << slot);
+        }
     }
 
     fn set_alike(&mut self, class: usize, onto: usize, rotations: Rotations) {
@@ -338,7 +389,7 @@ fn matching(walk: &Walk, visit: usize, onto: usize) -> Rotations {
 }
 
 /// Every rotation of a set further on by some slots of `size`, at most 64.
-fn turned(set: Rotations, by: usize, size: usize) -> Rotations {
+pub(super) fn turned(set: Rotations, by: usize, size: usize) -> Rotations {
     let by = by % size;
     let all = Rotations::MAX >> (Rotations::BITS as usize - size);
     if by == 0 { set } else { (set << by | set >> (size - by)) & all }

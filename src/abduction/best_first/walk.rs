@@ -11,8 +11,9 @@ pub(super) type Rotations = u64;
 #[derive(Clone, Debug)]
 pub(super) struct Walk {
     visits: Vec<Stop>,
+    /// The visit of each dstate.
+    owner: Vec<u16>,
     opposite: Vec<u8>,
-    navigable: Vec<bool>,
     /// For each two stars told apart, the rotations that lay the first onto the second.
     matches: Vec<Vec<Vec<u8>>>,
 }
@@ -26,6 +27,7 @@ struct Stop {
     departure: u8,
     gateway: u8,
     blocked: u8,
+    navigable: Rotations,
 }
 
 impl Walk {
@@ -33,7 +35,7 @@ impl Walk {
     pub(super) fn new(visits: &[Arc<Visit>]) -> Walk {
         let mut stars: Vec<&LargeScaleStar> = Vec::new();
         let mut walk =
-            Walk { visits: Vec::new(), opposite: Vec::new(), navigable: Vec::new(), matches: Vec::new() };
+            Walk { visits: Vec::new(), owner: Vec::new(), opposite: Vec::new(), matches: Vec::new() };
         for visit in visits {
             let star = stars.iter().position(|&star| *star == visit.star).unwrap_or_else(|| {
                 stars.push(&visit.star);
@@ -46,10 +48,11 @@ impl Walk {
                 star: star as u16,
                 departure: visit.departure.map_or(0, |slot| slot.0),
                 gateway: slots[visit.arrival.0 as usize].opposite.0,
+                navigable: navigable(&visit.star),
                 blocked: slots.iter().filter(|slot| !slot.navigable).count() as u8,
             });
+            walk.owner.extend(std::iter::repeat_n(walk.visits.len() as u16 - 1, slots.len()));
             walk.opposite.extend(slots.iter().map(|slot| slot.opposite.0));
-            walk.navigable.extend(slots.iter().map(|slot| slot.navigable));
         }
         let onto = |a: &&LargeScaleStar| stars.iter().map(|b| b.alignments(a)).collect();
         walk.matches = stars.iter().map(onto).collect();
@@ -76,9 +79,9 @@ impl Walk {
         self.visits[visit].first as usize + slot
     }
 
-    /// The visit and slot of a dstate by its position. Logarithmic in the visits.
+    /// The visit and slot of a dstate by its position.
     pub(super) fn place_of(&self, dstate: usize) -> (usize, usize) {
-        let visit = self.visits.partition_point(|stop| stop.first as usize <= dstate) - 1;
+        let visit = self.owner[dstate] as usize;
         (visit, dstate - self.visits[visit].first as usize)
     }
 
@@ -87,9 +90,9 @@ impl Walk {
         self.opposite[self.dstate(visit, slot)] as usize
     }
 
-    /// Whether a slot has an outward gateway.
-    pub(super) fn navigable(&self, visit: usize, slot: usize) -> bool {
-        self.navigable[self.dstate(visit, slot)]
+    /// The slots with an outward gateway, one bit each; none for stars without sets.
+    pub(super) fn navigable(&self, visit: usize) -> Rotations {
+        self.visits[visit].navigable
     }
 
     /// The number of slots of a visit's star at which a path ends.
@@ -110,5 +113,12 @@ impl Walk {
     /// Whether sets of rotations are kept for a visit's star.
     pub(super) fn tracked(&self, visit: usize) -> bool {
         self.size(visit) <= Rotations::BITS as usize
+    }
+}
+
+fn navigable(star: &LargeScaleStar) -> Rotations {
+    match star.size() <= Rotations::BITS as usize {
+        true => star.slots().iter().rev().fold(0, |set, slot| set << 1 | Rotations::from(slot.navigable)),
+        false => 0,
     }
 }

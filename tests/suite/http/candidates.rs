@@ -77,6 +77,23 @@ async fn the_graph_holds_what_the_preferred_candidate_counts() {
     assert_eq!(json!(dstates.len()), preferred["dstates"]);
     let open = dstates.iter().filter(|d| d["navigable"] == true && d["far_end"].is_null()).count();
     assert_eq!(len(&graph["frontier"]), open);
+    for path in graph["paths"].as_array().unwrap() {
+        let on = |name: &Value, place: &Value| {
+            graph["paths"][name.as_u64().unwrap() as usize]["places"].as_array().unwrap().contains(place)
+        };
+        for beside in ["left", "right"].into_iter().flat_map(|side| path["regions"][side].as_array().unwrap())
+        {
+            assert!(!on(&path["id"], &beside["place"]));
+            for by in beside["evidence"].as_array().unwrap() {
+                assert!(
+                    on(&path["id"], &by["at"])
+                        && on(&by["path"], &by["at"])
+                        && on(&by["path"], &beside["place"])
+                );
+            }
+        }
+        assert_eq!(path["regions"]["abnormal"], json!([]));
+    }
     for segment in graph["segments"].as_array().unwrap() {
         let [a, b] = &segment["ends"].as_array().unwrap()[..] else { panic!("{segment}") };
         let far_end = |end: &Value| {

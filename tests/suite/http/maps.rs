@@ -43,6 +43,23 @@ async fn axioms_are_a_configuration_of_their_own() {
 }
 
 #[tokio::test]
+async fn boundaries_join_a_profile() {
+    let client = Client::new();
+    let hard = client.put("hard", r#"{"profile":"paper","boundary":"hard"}"#).await.json();
+    let paper = json!(["determinism", "star-match", "travel-moves", "path-order", "boundary"]);
+    assert_eq!(
+        (&hard["axioms"], &hard["profile"], &hard["refuted"]["boundary"]),
+        (&paper, &json!("custom"), &json!(0))
+    );
+    let soft = client.put("soft", r#"{"boundary":"soft"}"#).await.json();
+    assert_eq!(soft["axioms"].as_array().unwrap().last(), Some(&json!("boundary=soft")));
+    assert!(soft["refuted"].get("boundary").is_none());
+    let listed =
+        client.put("listed", r#"{"axioms":["determinism","star-match","boundary=soft"]}"#).await.json();
+    assert_eq!(listed["axioms"], json!(["determinism", "star-match", "boundary=soft"]));
+}
+
+#[tokio::test]
 async fn an_empty_body_needs_no_media_type() {
     let request = Request::put("/v1/maps/office").body(Body::empty()).unwrap();
     assert_eq!(Client::new().send(request).await.status, 201);
@@ -60,6 +77,9 @@ async fn a_wrong_configuration_is_refused_at_its_field() {
         (r#"{"axioms":["gravity"]}"#, "/axioms"),
         (r#"{"axioms":[1]}"#, "/axioms/0"),
         (r#"{"axioms":["determinism","star-match"],"profile":"paper"}"#, "/axioms"),
+        (r#"{"boundary":"firm"}"#, "/boundary"),
+        (r#"{"axioms":["determinism","star-match"],"boundary":"soft"}"#, "/boundary"),
+        (r#"{"axioms":["determinism","star-match","boundary","boundary=soft"]}"#, "/axioms"),
         (r#"{"max_candidates":0}"#, "/max_candidates"),
         (r#"{"max_candidates":18446744073709551615}"#, "/max_candidates"),
         (r#"{"max_candidates":-1}"#, "/max_candidates"),

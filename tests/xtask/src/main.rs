@@ -50,6 +50,9 @@ const HELP: &str = "\
 usage: cargo xtask <task>
 
   test     format check, lints, all tests, documentation, golden files up to date
+  evaluate [WALKS [SEED]]
+           random walks with odometry that drifts: how often an axiom refutes the true map, how many candidates are
+           left, and how often the true map is preferred
   golden   write the golden files anew (api/openapi.json, api/examples, worlds/pictures); look at the difference
            before committing";
 
@@ -63,6 +66,7 @@ fn main() -> ExitCode {
             environment: &[("UPDATE_GOLDEN", "1")],
             component: None,
         }]),
+        ["evaluate", ref rest @ ..] => evaluate(rest),
         ["help" | "--help" | "-h"] => {
             println!("{HELP}");
             ExitCode::SUCCESS
@@ -70,6 +74,18 @@ fn main() -> ExitCode {
         _ => {
             eprintln!("{HELP}");
             ExitCode::from(2)
+        }
+    }
+}
+
+fn evaluate(rest: &[&str]) -> ExitCode {
+    let status = cargo().args(["bench", "--locked", "--bench", "evaluation", "--"]).args(rest).status();
+    match status {
+        Ok(status) if status.success() => ExitCode::SUCCESS,
+        Ok(_) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("cargo cannot be started: {error}");
+            ExitCode::FAILURE
         }
     }
 }

@@ -1,0 +1,528 @@
+//! The measured axioms against a slow reference: every chain there is, derivatives by differences, and the definitions.
+
+use crate::engine::{names, stories};
+use crate::reference::Story;
+use nalgebra::{Matrix2, Matrix3, Vector3};
+use proptest::prelude::*;
+use topostar::abduction::{
+    Abduction, Assignment, AxiomId, AxiomSet, Limits, Profile, REGISTRY, Visit, judge,
+};
+use topostar::geometry::{Pose, wrap_angle};
+use topostar::map::PlaceId;
+use topostar::metric::{Measurements, MetricParameters};
+use topostar::trace::{Experience, Sighting};
+use topostar::worlds::{Drift, corridor_grid, covering_walk, drifting_trace};
+
+/// A law on what the latest observation of a story is taken for.
+type Law = fn(&Told<'_>) -> bool;
+
+/// The reference of each measured axiom.
+const LAWS: &[(AxiomId, Law)] = &[
+    (AxiomId::Distance, lengths_of_a_segment_meet),
+    (AxiomId::Angle, directions_agree),
+    (AxiomId::Closure, loops_close),
+    (AxiomId::Apart, places_are_apart),
+];
+
+/// A story up to some observation, and what was measured.
+struct Told<'a> {
+    seen: &'a [Sighting],
+    story: &'a [(usize, usize)],
+    bounds: MetricParameters,
+}
+
+/// A step of a chain: a travel to a visit, or the way from a place to a visit; either may be gone back.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Step {
+    Travel { to: usize, back: bool },
+    Arrive { visit: usize, back: bool },
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Frame {
+    Visit(usize),
+    Place(usize),
+}
+
+impl Told<'_> {
+    fn latest(&self) -> usize {
+        self.story.len() - 1
+    }
+
+    fn is_new(&self) -> bool {
+        self.story[..self.latest()].iter().all(|visit| visit.0 != self.story[self.latest()].0)
+    }
+
+    fn first(&self, place: usize) -> usize {
+        self.story.iter().position(|visit| visit.0 == place).unwrap()
+    }
+
+    fn on_place(&self, visit: usize, slot: usize) -> usize {
+        (slot + self.story[visit].1) % self.seen[visit].star.slots().len()
+    }
+
+    fn ends(&self, to: usize) -> [(usize, usize); 2] {
+        let (left, came) =
+            (self.seen[to].departure.unwrap(), self.seen[to].star.opposite(self.seen[to].arrival));
+        let from = (self.story[to - 1].0, self.on_place(to - 1, left.0 as usize));
+        let mut ends = [from, (self.story[to].0, self.on_place(to, came.0 as usize))];
+        ends.sort_unstable();
+        ends
+    }
+
+    fn bearings(&self, visit: usize) -> Vec<(usize, f64)> {
+        let slots = self.seen[visit].star.slots().iter().enumerate();
+        slots.filter_map(|(slot, of)| Some((self.on_place(visit, slot), of.bearing?))).collect()
+    }
+
+    /// How far the bearings of a visit are to be turned onto those of the first: the circular mean.
+    fn turn(&self, visit: usize) -> f64 {
+        let first = self.bearings(self.first(self.story[visit].0));
+        let turns = self.bearings(visit).into_iter().flat_map(|(slot, seen)| {
+            first.iter().filter(move |(other, _)| *other == slot).map(move |(_, own)| own - seen)
+        });
+        let turns: Vec<f64> = turns.collect();
+        let about = turns[0];
+        about + turns.iter().map(|turn| wrap_angle(turn - about)).sum::<f64>() / turns.len() as f64
+    }
+
+    /// The frame of a visit in that of the one before, with errors of odometry and of the start added.
+    fn travel(&self, to: usize, error: &Vector3<f64>, astray: &Vector3<f64>) -> Pose {
+        let (before, now) = (&self.seen[to - 1], &self.seen[to]);
+        let motion = now.motion.unwrap();
+        let start = Pose::new(
+            motion.start.x - before.middle.x + astray.x,
+            motion.start.y - before.middle.y + astray.y,
+            motion.heading.unwrap() + astray.z,
+        );
+        let gone = motion.odometry;
+        let gone = Pose::new(gone.x + error.x, gone.y + error.y, gone.theta + error.z);
+        let arrived = now.robot_pose;
+        let arrived = Pose::new(arrived.x - now.middle.x, arrived.y - now.middle.y, arrived.theta);
+        start.compose(&gone).compose(&arrived.inverse())
+    }
+
+    /// Covariances of the displacement of a travel, by odometry and by where in the place it starts.
+    fn covariances(&self, to: usize) -> (Matrix3<f64>, Matrix3<f64>) {
+        let motion = self.seen[to].motion.unwrap();
+        let none = Vector3::zeros();
+        let by_error = derivative(|e| self.travel(to, e, &none));
+        let by_start = derivative(|w| self.travel(to, &none, w));
+        let start = if motion.start_given { Matrix3::zeros() } else { self.astray() };
+        let odometry = Matrix3::from_row_slice(&motion.covariance);
+        (by_error * odometry * by_error.transpose(), by_start * start * by_start.transpose())
+    }
+
+    fn astray(&self) -> Matrix3<f64> {
+        let MetricParameters { extent_sigma, bearing_sigma, .. } = self.bounds;
+        Matrix3::from_diagonal(&Vector3::new(extent_sigma, extent_sigma, bearing_sigma).map(|s| s * s))
+    }
+
+    /// Odometry's covariance and the other one of a step.
+    fn step_covariances(&self, step: Step) -> (Matrix3<f64>, Matrix3<f64>) {
+        match step {
+            Step::Travel { to, .. } => self.covariances(to),
+            Step::Arrive { .. } => (Matrix3::zeros(), self.astray()),
+        }
+    }
+
+    /// A chain composed, with errors added to the displacement of each step.
+    fn compose(&self, chain: &[Step], errors: &[Vector3<f64>]) -> Pose {
+        let none = Vector3::zeros();
+        chain.iter().zip(errors).fold(Pose::IDENTITY, |pose, (step, error)| {
+            let (leg, back) = match *step {
+                Step::Travel { to, back } => (self.travel(to, &none, &none), back),
+                Step::Arrive { visit, back } => (Pose::new(0.0, 0.0, self.turn(visit)), back),
+            };
+            let leg = Pose::new(leg.x + error.x, leg.y + error.y, leg.theta + error.z);
+            pose.compose(&if back { leg.inverse() } else { leg })
+        })
+    }
+
+    /// Of all chains from the visit before the latest to a frame, which meet no frame twice, the one of least weight.
+    fn chain(&self, goal: Frame) -> Option<Vec<Step>> {
+        let start = Frame::Visit(self.latest() - 1);
+        let mut best: Option<(f64, Vec<Step>)> = None;
+        self.walk(&mut vec![start], &mut Vec::new(), goal, &mut best);
+        best.map(|(_, chain)| chain)
+    }
+
+    fn walk(
+        &self,
+        met: &mut Vec<Frame>,
+        steps: &mut Vec<Step>,
+        goal: Frame,
+        best: &mut Option<(f64, Vec<Step>)>,
+    ) {
+        let weight: f64 = steps.iter().map(|step| self.weight(*step)).sum();
+        if best.as_ref().is_some_and(|(least, _)| weight >= *least) {
+            return;
+        }
+        let at = met[met.len() - 1];
+        if at == goal {
+            *best = Some((weight, steps.clone()));
+            return;
+        }
+        for (next, step) in self.steps(at) {
+            if !met.contains(&next) {
+                met.push(next);
+                steps.push(step);
+                self.walk(met, steps, goal, best);
+                met.pop();
+                steps.pop();
+            }
+        }
+    }
+
+    fn steps(&self, at: Frame) -> Vec<(Frame, Step)> {
+        match at {
+            Frame::Place(place) => (0..self.latest())
+                .filter(|&visit| self.story[visit].0 == place)
+                .map(|visit| (Frame::Visit(visit), Step::Arrive { visit, back: false }))
+                .collect(),
+            Frame::Visit(visit) => {
+                let mut steps = vec![(Frame::Place(self.story[visit].0), Step::Arrive { visit, back: true })];
+                if visit + 1 < self.latest() {
+                    steps.push((Frame::Visit(visit + 1), Step::Travel { to: visit + 1, back: false }));
+                }
+                if visit > 0 {
+                    steps.push((Frame::Visit(visit - 1), Step::Travel { to: visit, back: true }));
+                }
+                steps
+            }
+        }
+    }
+
+    fn weight(&self, step: Step) -> f64 {
+        let (odometry, other) = self.step_covariances(step);
+        let all = odometry + other;
+        all.m11 + all.m22 + all.m33 * self.bounds.lever * self.bounds.lever
+    }
+
+    /// The bound on the covariance of chain against travel, and what first order leaves out.
+    fn uncertainty(&self, chain: &[Step], gate: f64) -> (Matrix3<f64>, f64) {
+        let (odometry, stay) = self.covariances(self.latest());
+        let mut columns: Vec<Matrix3<f64>> = vec![root(&odometry)];
+        let mut covariance = stay;
+        let (mut new, mut same, mut slack) = (0.0, 0.0, 0.0);
+        let still = vec![Vector3::zeros(); chain.len()];
+        for (at, step) in chain.iter().enumerate() {
+            let moves = derivative(|error| {
+                let mut errors = still.clone();
+                errors[at] = *error;
+                self.compose(chain, &errors)
+            });
+            let (odometry, other) = self.step_covariances(*step);
+            columns.push(-moves * root(&odometry));
+            covariance += moves * other * moves.transpose();
+            let (length, back) = match *step {
+                Step::Travel { to, back } => {
+                    let leg = self.travel(to, &Vector3::zeros(), &Vector3::zeros());
+                    (leg.x.hypot(leg.y), back)
+                }
+                Step::Arrive { back, .. } => (0.0, back),
+            };
+            let (before, alike) = (new, same);
+            new += odometry.m33 + other.m33;
+            same += if back { -odometry.m33.sqrt() } else { odometry.m33.sqrt() };
+            let heading: f64 = if back { new + same * same } else { before + alike * alike };
+            slack += length * (gate * heading.sqrt()).powi(2) / 2.0;
+        }
+        for cause in 0..3 {
+            let effects: Vec<Vector3<f64>> =
+                columns.iter().map(|all| all.column(cause).into_owned()).collect();
+            let new: Matrix3<f64> = effects.iter().map(|effect| effect * effect.transpose()).sum();
+            let same: Vector3<f64> = effects.iter().sum();
+            covariance += upper(&new, &(same * same.transpose()));
+        }
+        (covariance, slack)
+    }
+}
+
+/// The derivative of a pose by what is added, by differences.
+fn derivative(of: impl Fn(&Vector3<f64>) -> Pose) -> Matrix3<f64> {
+    let step = 1e-5;
+    let mut columns = Matrix3::zeros();
+    for axis in 0..3 {
+        let mut by = Vector3::zeros();
+        by[axis] = step;
+        let (more, less) = (of(&by), of(&-by));
+        let change = Vector3::new(more.x - less.x, more.y - less.y, wrap_angle(more.theta - less.theta));
+        columns.set_column(axis, &(change / (2.0 * step)));
+    }
+    columns
+}
+
+/// A factor of a covariance, heading first: its columns by cause, length, aside, heading.
+fn root(covariance: &Matrix3<f64>) -> Matrix3<f64> {
+    if covariance.amax() == 0.0 {
+        return Matrix3::zeros();
+    }
+    let order = [2, 0, 1];
+    let sorted = Matrix3::from_fn(|row, column| covariance[(order[row], order[column])]);
+    let lower = sorted.cholesky().unwrap().l();
+    let mut root = Matrix3::zeros();
+    for row in 0..3 {
+        for column in 0..3 {
+            root[(order[row], order[column])] = lower[(row, column)];
+        }
+    }
+    root
+}
+
+/// What bounds two covariances: half of their sum and of the root of their difference squared.
+fn upper(a: &Matrix3<f64>, b: &Matrix3<f64>) -> Matrix3<f64> {
+    let units = Matrix3::from_diagonal(&(a + b).diagonal().map(|variance| variance.max(1e-300).sqrt()));
+    let scale = units.try_inverse().unwrap();
+    let apart = (scale * (a - b) * scale).svd(true, true);
+    let turned = apart.v_t.unwrap();
+    let size = turned.transpose() * Matrix3::from_diagonal(&apart.singular_values) * turned;
+    units * (scale * (a + b) * scale + size) * units / 2.0
+}
+
+fn lengths_of_a_segment_meet(told: &Told<'_>) -> bool {
+    let sigmas = told.bounds.sigmas;
+    let interval = |to: usize| {
+        let leg = told.travel(to, &Vector3::zeros(), &Vector3::zeros());
+        let (odometry, stay) = told.covariances(to);
+        let along = Vector3::new(leg.x, leg.y, 0.0).normalize();
+        let variance = along.dot(&((odometry + stay) * along)) + 2.0 * told.bounds.extent_sigma.powi(2);
+        let length = leg.x.hypot(leg.y);
+        (length - sigmas * variance.sqrt(), length + sigmas * variance.sqrt())
+    };
+    let same = (1..=told.latest()).filter(|&to| told.ends(to) == told.ends(told.latest()));
+    let intervals: Vec<(f64, f64)> = same.map(interval).collect();
+    let least = intervals.iter().map(|interval| interval.0).fold(f64::MIN, f64::max);
+    least <= intervals.iter().map(|interval| interval.1).fold(f64::MAX, f64::min)
+}
+
+fn directions_agree(told: &Told<'_>) -> bool {
+    told.is_new() || (around_the_place(told) && headings_close(told))
+}
+
+/// All differences between slots and visits of the place, tightened until nothing changes (Floyd and Warshall).
+fn around_the_place(told: &Told<'_>) -> bool {
+    let bound = told.bounds.sigmas * told.bounds.bearing_sigma;
+    let place = told.story[told.latest()].0;
+    let slots = told.seen[told.latest()].star.slots().len();
+    let visits: Vec<usize> = (0..told.story.len()).filter(|&visit| told.story[visit].0 == place).collect();
+    let size = slots + visits.len();
+    let mut most = vec![vec![f64::INFINITY; size]; size];
+    let first = told.bearings(visits[0]);
+    for (at, &visit) in visits.iter().enumerate() {
+        for (slot, bearing) in told.bearings(visit) {
+            let own = first.iter().find(|(other, _)| *other == slot).unwrap().1;
+            let off = wrap_angle(bearing + told.turn(visit) - own);
+            most[slots + at][slot] = most[slots + at][slot].min(off + bound);
+            most[slot][slots + at] = most[slot][slots + at].min(bound - off);
+        }
+    }
+    for by in 0..size {
+        for a in 0..size {
+            for b in 0..size {
+                most[a][b] = most[a][b].min(most[a][by] + most[by][b]);
+            }
+        }
+    }
+    (0..size).all(|a| most[a][a] > -1e-7)
+}
+
+/// The steps of the loop that the latest travel closes, but that travel.
+fn around(told: &Told<'_>) -> Vec<Step> {
+    let latest = told.latest();
+    let mut chain = told.chain(Frame::Place(told.story[latest].0)).unwrap();
+    chain.push(Step::Arrive { visit: latest, back: false });
+    chain
+}
+
+fn headings_close(told: &Told<'_>) -> bool {
+    let chain = around(told);
+    let travel = Step::Travel { to: told.latest(), back: false };
+    let none = vec![Vector3::zeros(); chain.len()];
+    let direct = told.compose(&[travel], &none[..1]);
+    let off = wrap_angle(direct.theta - told.compose(&chain, &none).theta);
+    let sigma = |step: &Step| {
+        let (odometry, other) = told.step_covariances(*step);
+        odometry.m33.sqrt() + other.m33.sqrt()
+    };
+    off.abs() <= told.bounds.sigmas * chain.iter().chain([&travel]).map(sigma).sum::<f64>()
+}
+
+fn loops_close(told: &Told<'_>) -> bool {
+    if told.is_new() {
+        return true;
+    }
+    let chain = around(told);
+    let none = vec![Vector3::zeros(); chain.len()];
+    let (end, direct) =
+        (told.compose(&chain, &none), told.travel(told.latest(), &Vector3::zeros(), &Vector3::zeros()));
+    let gate = told.bounds.pose_gate.sqrt();
+    let (covariance, slack) = told.uncertainty(&chain, gate);
+    let size = gate * (covariance.m11 + covariance.m22).sqrt();
+    let disc = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 0.0)) * (slack / gate).powi(2);
+    let widened = match slack > 0.0 {
+        true => covariance * (1.0 + slack / size) + disc * (1.0 + size / slack),
+        false => covariance,
+    };
+    let off = Vector3::new(direct.x - end.x, direct.y - end.y, wrap_angle(direct.theta - end.theta));
+    off.dot(&(widened.try_inverse().unwrap() * off)) <= told.bounds.pose_gate
+}
+
+fn places_are_apart(told: &Told<'_>) -> bool {
+    if !told.is_new() {
+        return true;
+    }
+    let leg = |to: usize| told.travel(to, &Vector3::zeros(), &Vector3::zeros());
+    let lengths = (1..=told.latest()).map(|to| leg(to).x.hypot(leg(to).y));
+    let separation = lengths.fold(told.bounds.separation, f64::min);
+    let direct = leg(told.latest());
+    let gate = told.bounds.position_gate.sqrt();
+    (0..told.latest()).all(|visit| {
+        let chain = told.chain(Frame::Visit(visit)).unwrap();
+        let end = told.compose(&chain, &vec![Vector3::zeros(); chain.len()]);
+        let (covariance, slack) = told.uncertainty(&chain, gate);
+        let position = Matrix2::new(covariance.m11, covariance.m12, covariance.m21, covariance.m22);
+        let widest = position.svd(false, false).singular_values.max();
+        (direct.x - end.x).hypot(direct.y - end.y) + gate * widest.sqrt() + slack >= separation
+    })
+}
+
+/// A walk through a grid with odometry of some quality, said to be better than it is.
+fn walks() -> impl Strategy<Value = Vec<Sighting>> {
+    let drift = prop_oneof![Just(0.05), Just(0.2), Just(1.0)];
+    let boast = prop_oneof![3 => Just(1.0), 1 => Just(0.1), 1 => Just(0.001)];
+    (any::<u64>(), 2usize..4, 4.0..12.0, drift, boast, 4usize..10).prop_map(
+        |(seed, columns, spacing, drift, boast, travels)| {
+            let places = corridor_grid(2, columns, spacing);
+            let mut walk = covering_walk(&places, seed);
+            walk.leave.truncate(travels);
+            let trace = drifting_trace(&places, &walk, Drift::WORST.scaled(drift), seed).unwrap();
+            let mut seen = sightings(&trace.events);
+            for motion in seen.iter_mut().filter_map(|sighting| sighting.motion.as_mut()) {
+                motion.covariance = motion.covariance.map(|entry| entry * boast);
+                motion.start_given = seed % 3 != 0;
+            }
+            seen
+        },
+    )
+}
+
+pub(crate) fn sightings(events: &[topostar::trace::Event]) -> Vec<Sighting> {
+    let mut experience = Experience::new();
+    let look = |event| experience.accept(event, &|_, _| unreachable!("bare stars")).unwrap();
+    events.iter().filter_map(look).collect()
+}
+
+pub(crate) fn explain(sightings: &[Sighting], axioms: AxiomSet) -> Abduction {
+    let mut measured = Measurements::default();
+    let mut abduction = Abduction::new(axioms, Limits::default());
+    for sighting in sightings {
+        measured = measured.with(sighting);
+        abduction.observe_measured(&Visit::from(sighting), measured.evidence()).unwrap();
+    }
+    abduction
+}
+
+#[test]
+fn every_measured_axiom_has_one_reference() {
+    let measured = REGISTRY.iter().filter(|axiom| axiom.is_measured()).map(|axiom| axiom.id);
+    assert!(measured.eq(LAWS.iter().map(|(id, _)| *id)));
+    assert!(names(AxiomSet::of(Profile::Default)).len() < AxiomSet::of(Profile::Default).iter().count());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 96, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// With a measured axiom, exactly those candidates are left that there are without it and that obey it.
+    #[test]
+    fn measured_axioms_refute_exactly_what_breaks_them(seen in walks()) {
+        let symbols = AxiomSet::of(Profile::Default).without_measured();
+        let mut few = seen.len();
+        while few > 1 && explain(&seen[..few], symbols).len() > 60 {
+            few -= 1;
+        }
+        let seen = &seen[..few];
+        let all = stories(&explain(seen, symbols));
+        for (id, law) in LAWS {
+            let obeys = |story: &Story| (2..=story.len()).all(|length| {
+                law(&Told { seen: &seen[..length], story: &story[..length], bounds: MetricParameters::default() })
+            });
+            let expected: Vec<Story> = all.iter().filter(|story| obeys(story)).cloned().collect();
+            prop_assert_eq!(stories(&explain(seen, symbols.with(*id))), expected, "{}", id.name());
+        }
+    }
+}
+
+fn recorded(name: &str) -> Vec<Sighting> {
+    let path = format!("{}/worlds/{name}.ndjson", env!("CARGO_MANIFEST_DIR"));
+    let (events, fault) = topostar::trace::read_trace(std::fs::read(path).unwrap().as_slice());
+    assert!(fault.is_none());
+    sightings(&events)
+}
+
+/// Four corners that look alike, ten and thirty metres apart in turn, and no bearings: the ring of three is refuted
+/// by lengths alone, those of two and of four repeat them.
+#[test]
+fn lengths_tell_a_ring_of_three_from_one_of_four() {
+    let seen = recorded("ring-10-30");
+    let symbols = AxiomSet::of(Profile::Default).without_measured();
+    let three = [0, 1, 2, 0, 1, 2, 0, 1, 2, 0];
+    let rings = |abduction: &Abduction| {
+        abduction
+            .candidates()
+            .map(|candidate| candidate.places())
+            .filter(|places| places[9] < 4)
+            .collect::<Vec<_>>()
+    };
+    let with = explain(&seen, symbols.with(AxiomId::Distance));
+    assert!(rings(&explain(&seen, symbols)).contains(&three.to_vec()));
+    assert!(!rings(&with).contains(&three.to_vec()));
+    assert!(rings(&with).contains(&vec![0, 1, 2, 3, 0, 1, 2, 3, 0, 1]));
+    let report = with.report();
+    assert!(report.refuted.by(AxiomId::Distance) > 0);
+    // All four agree, and say so alone.
+    assert!(explain(&seen, AxiomSet::of(Profile::Default)).report().refuted.by(AxiomId::Distance) > 0);
+}
+
+/// A grid walked with good odometry: each of the other three refutes something that those before it leave.
+#[test]
+fn angle_closure_and_apart_refute_on_a_grid() {
+    let mut refuted = [0; 3];
+    for seed in 0..10 {
+        let places = corridor_grid(3, 3, 10.0);
+        let walk = covering_walk(&places, seed);
+        let trace = drifting_trace(&places, &walk, Drift::WORST.scaled(0.2), seed).unwrap();
+        let report = explain(&sightings(&trace.events), AxiomSet::of(Profile::Default)).report();
+        for (count, id) in refuted.iter_mut().zip([AxiomId::Angle, AxiomId::Closure, AxiomId::Apart]) {
+            *count += report.refuted.by(id);
+        }
+    }
+    assert!(refuted.iter().all(|count| *count > 0), "{refuted:?}");
+}
+
+/// A sample of `cargo xtask evaluate`: no axiom refutes the true map, with odometry as bad as the worst and better.
+#[test]
+fn the_true_map_is_never_refuted() {
+    let mut preferred = 0;
+    for (side, seed, by) in (0..12).flat_map(|seed| [(4, seed, 1.0), (6, seed, 1.0), (4, seed, 0.2)]) {
+        let places = corridor_grid(side, side, 10.0);
+        let walk = covering_walk(&places, 7000 + seed);
+        let trace = drifting_trace(&places, &walk, Drift::WORST.scaled(by), 7000 + seed).unwrap();
+        let seen = sightings(&trace.events);
+        let visits: Vec<Visit> = seen.iter().map(Visit::from).collect();
+        let measured = seen.iter().fold(Measurements::default(), |measured, seen| measured.with(seen));
+        let truth: Vec<Assignment> = trace
+            .truth
+            .iter()
+            .map(|&(place, rotation)| Assignment { place: PlaceId::new(place).unwrap(), rotation })
+            .collect();
+        let axioms = AxiomSet::of(Profile::Default);
+        let judged = judge(&visits, measured.evidence().as_deref(), axioms, &truth);
+        assert!(judged.is_ok(), "{side} {seed} {by}: {judged:?}");
+        if side == 4 && by < 1.0 {
+            let found = explain(&seen, axioms).report();
+            preferred += usize::from(found.minimal.len() == 1 && found.minimal[0].visits == truth);
+        }
+    }
+    assert_eq!(preferred, 12);
+}

@@ -1,0 +1,133 @@
+//! How a measured axiom is broken, and the words for it.
+
+use crate::abduction::Clash;
+use crate::map::{DstateId, PlaceId};
+use crate::metric::chain::Step;
+use crate::metric::frames::Story;
+use nalgebra::Vector3;
+
+/// What does not agree. Angles in radians, lengths in metres.
+#[derive(Debug)]
+pub(super) enum Breach {
+    /// Two lengths of one path segment.
+    Length { segment: [DstateId; 2], before: Length, now: Length },
+    /// The bearings of the slots of one place.
+    Bearings { visits: Vec<usize>, bound: f64 },
+    /// The heading around a loop.
+    Heading { off: f64, bound: f64, chain: Vec<Step> },
+    /// The displacement around a loop.
+    Loop { off: Vector3<f64>, chi_square: f64, gate: f64, chain: Vec<Step> },
+    /// The spots of two places.
+    Spot { visit: usize, at_most: f64, separation: f64, chain: Vec<Step> },
+}
+
+/// An interval of length, and the visit that the travel measured led to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Length {
+    pub(super) visit: usize,
+    pub(super) least: f64,
+    pub(super) most: f64,
+}
+
+impl Breach {
+    /// The breach as what clashes.
+    pub(super) fn clash(&self, story: &Story<'_>) -> Clash {
+        let latest = story.latest();
+        match self {
+            Breach::Length { segment, before, now } => {
+                let words = format!(
+                    "the path segment {} - {} is {} long by the travel to observation {}, and {} by the travel to \
+                     observation {}",
+                    segment[0],
+                    segment[1],
+                    before.words(),
+                    before.visit,
+                    now.words(),
+                    now.visit,
+                );
+                clash(story, vec![before.visit, now.visit], vec![*segment], words)
+            }
+            Breach::Bearings { visits, bound } => {
+                let words = format!(
+                    "no directions of the slots of place {} lie within {:.1} degrees of the bearings seen on \
+                     {} visits",
+                    story.place(latest),
+                    bound.to_degrees(),
+                    visits.len(),
+                );
+                clash(story, visits.clone(), Vec::new(), words)
+            }
+            Breach::Heading { off, bound, chain } => {
+                let words = format!(
+                    "the heading is {:.1} degrees from closing the loop through {} other travels, whose bound is \
+                     {:.1} degrees",
+                    off.to_degrees(),
+                    travels(chain).len(),
+                    bound.to_degrees(),
+                );
+                around(story, chain, words)
+            }
+            Breach::Loop { off, chi_square, gate, chain } => {
+                let words = format!(
+                    "the travel ends {:.2} m and {:.1} degrees from where {} other travels put place {}: \
+                     chi-square {chi_square:.1}, gate {gate:.1}",
+                    off.x.hypot(off.y),
+                    off.z.to_degrees(),
+                    travels(chain).len(),
+                    story.place(latest),
+                );
+                around(story, chain, words)
+            }
+            Breach::Spot { visit, at_most, separation, chain } => {
+                let words = format!(
+                    "the robot stands at most {at_most:.2} m from where it stood at place {} on observation {visit}, \
+                     by a chain of {} other travels; two places are at least {separation:.2} m apart",
+                    story.place(*visit),
+                    travels(chain).len(),
+                );
+                let mut clash = around(story, chain, words);
+                clash.observations.push(*visit);
+                clash.places.push(story.assignment(*visit).place);
+                sorted(clash)
+            }
+        }
+    }
+}
+
+impl Length {
+    fn words(&self) -> String {
+        format!("{:.2} to {:.2} m", self.least.max(0.0), self.most)
+    }
+}
+
+/// The visits that the travels of a chain led to.
+fn travels(chain: &[Step]) -> Vec<usize> {
+    chain.iter().filter_map(|step| step.travel).collect()
+}
+
+/// A clash of the latest travel with those of a chain.
+fn around(story: &Story<'_>, chain: &[Step], words: String) -> Clash {
+    let visits: Vec<usize> = travels(chain).into_iter().chain([story.latest()]).collect();
+    let segments = visits.iter().filter_map(|&visit| story.ends(visit)).collect();
+    let observations = visits.iter().flat_map(|&visit| [visit - 1, visit]).collect();
+    clash(story, observations, segments, words)
+}
+
+fn clash(story: &Story<'_>, observations: Vec<usize>, segments: Vec<[DstateId; 2]>, words: String) -> Clash {
+    let places: Vec<PlaceId> = observations.iter().map(|&visit| story.assignment(visit).place).collect();
+    sorted(Clash { observations, places, segments, words })
+}
+
+/// Each thing once, ascending.
+fn sorted(mut clash: Clash) -> Clash {
+    clash.observations.sort_unstable();
+    clash.observations.dedup();
+    clash.places.sort_unstable();
+    clash.places.dedup();
+    for ends in &mut clash.segments {
+        ends.sort_unstable();
+    }
+    clash.segments.sort_unstable();
+    clash.segments.dedup();
+    clash
+}

@@ -1,0 +1,107 @@
+//! The visits of a candidate and the frames of its places.
+
+use crate::abduction::{Assignment, Outcome, Proposal};
+use crate::geometry::wrap_angle;
+use crate::map::DstateId;
+use crate::metric::MetricParameters;
+use crate::metric::measurements::Stay;
+use crate::star::SlotIndex;
+
+/// What a child of a candidate says of all visits up to the one proposed for, the last, with what was measured.
+#[derive(Debug)]
+pub(super) struct Story<'a> {
+    pub(super) stays: &'a [std::sync::Arc<Stay>],
+    pub(super) parameters: &'a MetricParameters,
+    pub(super) outcome: Outcome,
+    before: &'a [Assignment],
+    last: Assignment,
+    /// The first visit to each place.
+    first: Vec<usize>,
+}
+
+impl<'a> Story<'a> {
+    /// The visits of `stays`, as the branch and the proposal assign them.
+    pub(super) fn new(
+        stays: &'a [std::sync::Arc<Stay>],
+        proposal: &Proposal<'a>,
+        parameters: &'a MetricParameters,
+    ) -> Self {
+        let (before, last) = (proposal.branch.visits(), proposal.assignment);
+        let mut first: Vec<usize> = Vec::new();
+        for (visit, assignment) in before.iter().chain([&last]).enumerate() {
+            // Places are numbered by first visit.
+            if assignment.place.index() == first.len() {
+                first.push(visit);
+            }
+        }
+        Story { stays, parameters, outcome: proposal.outcome, before, last, first }
+    }
+
+    /// The last visit, which is the one proposed for.
+    pub(super) fn latest(&self) -> usize {
+        self.before.len()
+    }
+
+    /// What a visit is taken for.
+    pub(super) fn assignment(&self, visit: usize) -> Assignment {
+        self.before.get(visit).copied().unwrap_or(self.last)
+    }
+
+    /// The number of the place of a visit.
+    pub(super) fn place(&self, visit: usize) -> usize {
+        self.assignment(visit).place.index()
+    }
+
+    /// How many places there are.
+    pub(super) fn places(&self) -> usize {
+        self.first.len()
+    }
+
+    /// The visits to a place, the latest among them, ascending.
+    pub(super) fn visits_to(&self, place: usize) -> impl Iterator<Item = usize> + '_ {
+        (0..=self.latest()).filter(move |&visit| self.place(visit) == place)
+    }
+
+    /// The slot of the place that a slot of the star of a visit is.
+    pub(super) fn slot(&self, visit: usize, slot: SlotIndex) -> SlotIndex {
+        let size = self.stays[visit].bearings.len();
+        SlotIndex(((slot.0 as usize + self.assignment(visit).rotation as usize) % size) as u8)
+    }
+
+    /// The two gateways of the travel that led to a visit but the first.
+    pub(super) fn ends(&self, visit: usize) -> Option<[DstateId; 2]> {
+        let from = DstateId {
+            place: self.assignment(visit - 1).place,
+            slot: self.slot(visit - 1, self.stays[visit].departure?),
+        };
+        let to = DstateId {
+            place: self.assignment(visit).place,
+            slot: self.slot(visit, self.stays[visit].gateway),
+        };
+        Some([from, to])
+    }
+
+    /// The bearings of a visit by the slots of its place.
+    pub(super) fn bearings(&self, visit: usize) -> impl Iterator<Item = (SlotIndex, f64)> + '_ {
+        let bearings = self.stays[visit].bearings.iter().zip(0..);
+        bearings.filter_map(move |(bearing, slot)| Some((self.slot(visit, SlotIndex(slot)), (*bearing)?)))
+    }
+
+    /// The direction of the axes of a visit's frame in that of its place: how far its bearings, on average, are to be
+    /// turned to lie on those of the first visit. `None` where no slot has a bearing on both.
+    pub(super) fn turn(&self, visit: usize) -> Option<f64> {
+        let first = self.first[self.place(visit)];
+        if first == visit {
+            return Some(0.0);
+        }
+        let known = &self.stays[first].bearings;
+        let mut turns = self
+            .bearings(visit)
+            .filter_map(|(slot, bearing)| Some(wrap_angle(known[slot.0 as usize]? - bearing)));
+        // About one of the turns, so that the mean does not depend on where angles are cut.
+        let about = turns.next()?;
+        let (sum, count) =
+            turns.fold((0.0, 1.0), |(sum, count), turn| (sum + wrap_angle(turn - about), count + 1.0));
+        Some(wrap_angle(about + sum / count))
+    }
+}

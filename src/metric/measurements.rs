@@ -1,0 +1,105 @@
+//! The measurements of a trace, growing by a visit at a time.
+
+use crate::abduction::{AxiomId, Clash, Evidence, Proposal};
+use crate::metric::breach::Breach;
+use crate::metric::frames::Story;
+use crate::metric::leg::Travelled;
+use crate::metric::{MetricParameters, angle, apart, closure, distance};
+use crate::star::SlotIndex;
+use crate::trace::Sighting;
+use std::sync::Arc;
+
+/// What was measured on a trace, from its first observation to the latest.
+///
+/// An immutable value: [`Measurements::with`] gives another one, which shares all visits with it, at the cost of a
+/// pointer a visit. As [`Evidence`] it says nothing as long as no travel has odometry and a covariance, and across a
+/// travel that has none it knows nothing.
+#[derive(Clone, Debug, Default)]
+pub struct Measurements {
+    parameters: MetricParameters,
+    stays: Vec<Arc<Stay>>,
+    last: Option<Arc<Sighting>>,
+    /// The first observation that a measured travel led to.
+    since: Option<usize>,
+}
+
+/// What was measured on one visit and on the travel to it. Slots are those of the star as observed.
+#[derive(Debug)]
+pub(super) struct Stay {
+    /// Outward bearings of the slots in the frame of the visit, radians.
+    pub(super) bearings: Vec<Option<f64>>,
+    /// The slot of the visit before by which the robot left.
+    pub(super) departure: Option<SlotIndex>,
+    /// The slot whose outward gateway it came in by.
+    pub(super) gateway: SlotIndex,
+    /// The travel.
+    pub(super) travelled: Option<Travelled>,
+}
+
+impl Measurements {
+    /// No measurements yet, to be judged with these bounds.
+    pub fn new(parameters: MetricParameters) -> Self {
+        Measurements { parameters, ..Measurements::default() }
+    }
+
+    /// These measurements and those of one more observation.
+    #[must_use]
+    pub fn with(&self, sighting: &Sighting) -> Measurements {
+        let before = self.last.as_deref();
+        let travel = sighting.motion.as_ref().zip(before);
+        let travelled =
+            travel.map(|(motion, before)| Travelled::new(motion, before, sighting, &self.parameters));
+        let stay = Stay {
+            bearings: sighting.star.slots().iter().map(|slot| slot.bearing).collect(),
+            departure: sighting.departure,
+            gateway: sighting.star.opposite(sighting.arrival),
+            travelled,
+        };
+        let since = self.since.or(travelled.map(|_| self.stays.len()));
+        let stays = self.stays.iter().cloned().chain([Arc::new(stay)]).collect();
+        Measurements { parameters: self.parameters, stays, last: Some(Arc::new(sighting.clone())), since }
+    }
+
+    /// Whether any travel was measured.
+    pub fn any(&self) -> bool {
+        self.since.is_some()
+    }
+
+    /// These measurements as evidence, if there are any.
+    pub fn evidence(&self) -> Option<Arc<dyn Evidence>> {
+        self.any().then(|| Arc::new(self.clone()) as Arc<dyn Evidence>)
+    }
+
+    /// What is made of how the proposal breaks the axiom, if it does.
+    fn judge<T>(
+        &self,
+        axiom: AxiomId,
+        proposal: &Proposal<'_>,
+        make: impl FnOnce(&Breach, &Story<'_>) -> T,
+    ) -> Option<T> {
+        let observation = proposal.branch.visits().len();
+        let stays = self.stays.get(..=observation)?;
+        if self.since.is_none_or(|since| since > observation) {
+            return None;
+        }
+        let story = Story::new(stays, proposal, &self.parameters);
+        let breach = match axiom {
+            AxiomId::Distance => distance::breach(&story),
+            AxiomId::Angle => angle::breach(&story),
+            AxiomId::Closure => closure::breach(&story),
+            AxiomId::Apart => apart::breach(&story),
+            _ => None,
+        };
+        breach.map(|breach| make(&breach, &story))
+    }
+}
+
+impl Evidence for Measurements {
+    fn holds(&self, axiom: AxiomId, proposal: &Proposal<'_>) -> bool {
+        self.judge(axiom, proposal, |_, _| ()).is_none()
+    }
+
+    fn clash(&self, axiom: AxiomId, proposal: &Proposal<'_>) -> Clash {
+        self.judge(axiom, proposal, Breach::clash).unwrap_or_default()
+    }
+}

@@ -1,0 +1,31 @@
+//! The measured axioms: what odometry and bearings say of a candidate map (seed, sections 2.3 and 3.2).
+//!
+//! [`Measurements`] holds what was measured on a trace and judges behind [`crate::abduction::Evidence`]. An axiom
+//! is a pure function of the measurements, the assignments of a candidate and what is proposed for one travel: no
+//! candidate carries metric state, so that every order of search gives the same answer. Judging one travel costs
+//! about the number of visits, times its logarithm.
+//!
+//! All that is measured lies in a graph of two kinds of frames ([`chain`]): that of each visit, and that of each
+//! place, which is that of its first visit. A travel joins the frames of two visits; a visit is joined to the frame
+//! of its place by the rotation that lays the bearings of its slots onto those of the first visit, under the
+//! alignment that the candidate assigns. Another alignment is another rotation: so heading tells apart what
+//! symmetry does not.
+//!
+//! The bounds, once for all: a true map is refuted only where some error exceeds its gate
+//! ([`MetricParameters`]), whatever mixture of errors is independent from travel to travel and of errors that are
+//! the same on all of them (a wheel larger than the other, a wrong scale). What is not known is not judged.
+
+mod angle;
+mod apart;
+mod breach;
+mod chain;
+mod closure;
+mod distance;
+mod frames;
+mod leg;
+mod measurements;
+mod parameters;
+mod uncertainty;
+
+pub use measurements::Measurements;
+pub use parameters::MetricParameters;
