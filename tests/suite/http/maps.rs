@@ -71,7 +71,7 @@ async fn a_wrong_configuration_is_refused_at_its_field() {
     let cases = [
         (r#"{"colour":1}"#, "/colour"),
         (r#"{"profile":"fast"}"#, "/profile"),
-        (r#"{"strategy":"best-first"}"#, "/strategy"),
+        (r#"{"strategy":"depth-first"}"#, "/strategy"),
         (r#"{"axioms":["path-order"]}"#, "/axioms"),
         (r#"{"axioms":[]}"#, "/axioms"),
         (r#"{"axioms":["gravity"]}"#, "/axioms"),
