@@ -489,7 +489,7 @@ fn lengths_tell_a_ring_of_three_from_one_of_four() {
 fn angle_closure_and_apart_refute_on_a_grid() {
     let mut refuted = [0; 3];
     for seed in 0..10 {
-        let places = corridor_grid(3, 3, 10.0);
+        let places = corridor_grid(4, 4, 10.0);
         let walk = covering_walk(&places, seed);
         let trace = drifting_trace(&places, &walk, Drift::WORST.scaled(0.2), seed).unwrap();
         let report = explain(&sightings(&trace.events), AxiomSet::of(Profile::Default)).report();

@@ -18,12 +18,10 @@ pub(super) fn breach(story: &Story<'_>) -> Option<Breach> {
     let along = (1..latest).filter(|&visit| {
         story.ends(visit).is_some_and(|ends| ends == segment || ends == [segment[1], segment[0]])
     });
-    let lengths = along.filter_map(|visit| length(story, visit));
+    let mut lengths = along.filter_map(|visit| length(story, visit));
     // Intervals on a line have a point in common if any two of them have, and those before do.
-    lengths
-        .filter(|before| before.least > now.most || before.most < now.least)
-        .next()
-        .map(|before| Breach::Length { segment, before, now })
+    let clashing = lengths.find(|before| before.least > now.most || before.most < now.least);
+    clashing.map(|before| Breach::Length { segment, before, now })
 }
 
 /// The interval of length that the travel to a visit gives.

@@ -83,7 +83,7 @@ impl Tally {
         if let Err(refutation) = judge(&visits, evidence.as_deref(), AxiomSet::of(Profile::Default), &truth) {
             self.refuted.push((side, seed, refutation));
         }
-        if seed % SEARCHED == 0 {
+        if seed.is_multiple_of(SEARCHED) {
             self.count(&explain(&sightings), &truth);
         }
         self.seconds += start.elapsed().as_secs_f64();
