@@ -188,8 +188,11 @@ mod tests {
             (r#""observation"}"#, "an observation needs a star (with dstate), an lpm or a view"),
             (r#""turn","turn":"back""#, "/turn unknown variant `back`, expected one of `left`"),
             (r#""turn","turn":"left","to":1"#, "/to stands beside turn"),
-            (r#""turn","view":"a","turn":"left""#, "/view belongs to a observation"),
-            (r#""travel","turn":"left""#, "/turn belongs to a turn, but this event is a travel"),
+            (r#""turn","view":"a","turn":"left""#, "/view belongs to events of kind observation"),
+            (
+                r#""travel","turn":"left""#,
+                "/turn belongs to events of kind turn, but this one is of kind travel",
+            ),
         ];
         for (rest, expected) in cases {
             let line = format!("{{\"seq\":0,\"kind\":{}}}", rest.trim_end_matches('}'));
