@@ -2,12 +2,15 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a helper of tests fails the test")]
 
+mod classic_reference;
 mod engine;
 mod strategies;
 mod traces;
 
 use topostar::reference;
 
+mod classic;
+mod classic_golden;
 mod explanation;
 mod clingo;
 mod golden;

@@ -47,6 +47,7 @@ pub mod map;
 pub mod abduction;
 pub mod metric;
 pub mod reference;
+pub mod classic;
 pub mod explanation;
 pub mod export;
 pub mod service;

@@ -17,6 +17,7 @@ pub mod loader;
 pub mod picture;
 pub mod rendering;
 pub mod simulator;
+pub mod views;
 pub mod world;
 
 pub use corridor_grid::{corridor_grid, covering_walk};
@@ -25,6 +26,7 @@ pub use loader::{WorldError, load};
 pub use picture::picture;
 pub use rendering::{LpmTrace, lpm_trace};
 pub use simulator::{StarTrace, drifting_trace, star_trace};
+pub use views::{Naming, ViewTrace, view_trace};
 pub use world::{Exit, Expectation, Minimal, Place, PlaceSlot, SlotRef, Truth, Visit, Walk, World};
 
 /// The bundled world files, name and text.

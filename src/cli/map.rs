@@ -2,6 +2,7 @@
 
 use crate::abduction::{Abduction, AxiomSet, Boundary, Profile, Report, StopReason, Strategy};
 use crate::cli::asked::{Asked, Said};
+use crate::cli::classic::{self, is_of_views};
 use crate::cli::failure::Failure;
 use crate::cli::input::{Events, read_events};
 use crate::export::{self, Explanation, MapGraph, explanation_text, map_svg, map_text, visits_text};
@@ -30,13 +31,13 @@ Examples:
                                                     the map if these are, and these are not, one place")]
 pub(super) struct Map {
     /// A trace (.ndjson), a CARMEN log (.clf or .log, also .gz and .bz2) with --visits, or - for standard input.
-    input: PathBuf,
+    pub(super) input: PathBuf,
     /// The arrivals in a log: CSV with the columns place,raw_scan_index.
     #[arg(long, value_name = "CSV")]
     visits: Option<PathBuf>,
-    /// A choice of axioms.
-    #[arg(long, value_enum, default_value_t = ProfileName::Default)]
-    profile: ProfileName,
+    /// A choice of axioms; `default` unless the trace is one of views, then `classic`.
+    #[arg(long, value_enum)]
+    profile: Option<AnyProfileName>,
     /// Hold boundaries too: a path divides what is right of it from what is left.
     #[arg(long, value_enum)]
     boundary: Option<BoundaryName>,
@@ -45,10 +46,11 @@ pub(super) struct Map {
     axioms: Option<AxiomSet>,
     /// How candidates are searched.
     #[arg(long, value_enum, default_value_t = StrategyName::BreadthFirst)]
-    strategy: StrategyName,
-    /// The most candidates kept after an observation, the simplest ones; counts say when this cut the search.
+    pub(super) strategy: StrategyName,
+    /// The most candidates kept after an observation, the simplest ones; best-first and simplest-first: the most maps
+    /// made. Counts say when this cut the search.
     #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
-    max_candidates: u64,
+    pub(super) max_candidates: u64,
     /// With --strategy best-first: the most partial explanations looked at.
     #[arg(long, value_name = "N")]
     max_steps: Option<u64>,
@@ -57,7 +59,7 @@ pub(super) struct Map {
     max_seconds: Option<f64>,
     /// Print the report as one JSON object.
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
     /// Say why: what the closures of the preferred map rest on and what rivals say, what refuted rivals, and where to
     /// look next. With =A,B, of these two observations, counted from 0.
     #[arg(long, value_name = "A,B", num_args = 0..=1, require_equals = true, default_missing_value = "")]
@@ -67,7 +69,7 @@ pub(super) struct Map {
     asserts: Vec<Said>,
     /// Write trace.ndjson, report.json, map.txt and map.svg there.
     #[arg(short, long, value_name = "DIR")]
-    output: Option<PathBuf>,
+    pub(super) output: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -79,6 +81,16 @@ pub(super) enum ProfileName {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
+enum AnyProfileName {
+    /// The axioms of Beeson et al. 2003.
+    Paper,
+    /// With planarity.
+    Default,
+    /// The original SSH, for traces of views.
+    Classic,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
 pub(super) enum BoundaryName {
     /// Maps with fewer exceptions are preferred to others.
     Soft,
@@ -87,30 +99,27 @@ pub(super) enum BoundaryName {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum StrategyName {
+pub(super) enum StrategyName {
     /// All candidates, one observation after the other: exhaustive.
     BreadthFirst,
     /// The simplest maps alone, and the proof that none is simpler.
     BestFirst,
-}
-
-impl From<StrategyName> for Strategy {
-    fn from(name: StrategyName) -> Strategy {
-        match name {
-            StrategyName::BreadthFirst => Strategy::BreadthFirst,
-            StrategyName::BestFirst => Strategy::BestFirst,
-        }
-    }
+    /// The map that is the simplest now, until one explains everything, as Beeson et al. 2003; for traces of views.
+    #[value(name = "simplest-first")]
+    Simplest,
 }
 
 impl Map {
     pub(super) fn run(self) -> Result<(), Failure> {
         let started = Instant::now();
         let input = read_events(&self.input, self.visits.as_deref())?;
-        let boundary = self.boundary.map(Boundary::from);
-        let profile = || AxiomSet::of(self.profile.into()).with_boundary(boundary);
-        let axioms = self.axioms.unwrap_or_else(profile);
-        let Explained { events, session, fault } = self.search(input, axioms)?;
+        // Where there is nothing to tell by, the options do.
+        let asked = input.events.is_empty() && matches!(self.profile, Some(AnyProfileName::Classic));
+        let (axioms, strategy) = match self.theory(asked || is_of_views(&input.events))? {
+            Theory::Views => return classic::run(&self, input),
+            Theory::Stars(axioms, strategy) => (axioms, strategy),
+        };
+        let Explained { events, session, fault } = self.search(input, axioms, strategy)?;
         let report = session.abduction().report();
         let mut wire = export::Report::new(&report);
         wire.explain = self.reasons(session.abduction())?.map(Box::new);
@@ -127,11 +136,58 @@ impl Map {
         fault.map_or_else(|| verdict(&report), Err)
     }
 
-    fn search(&self, input: Events, axioms: AxiomSet) -> Result<Explained, Failure> {
+    /// What the options ask for, which must go with the trace.
+    fn theory(&self, views: bool) -> Result<Theory, Failure> {
+        if views {
+            let for_stars = self.axioms.is_some() || self.boundary.is_some();
+            let reasons = self.explain.is_some() || !self.asserts.is_empty();
+            let steps = self.max_steps.is_some() || self.max_seconds.is_some();
+            return match self.profile {
+                _ if for_stars => {
+                    Err(self.misfit("is a trace of views, which holds the axioms of profile classic"))
+                }
+                _ if steps => {
+                    Err(self.misfit("is a trace of views, for which --max-candidates is the only limit"))
+                }
+                _ if reasons => {
+                    Err(self.misfit("is a trace of views, with which --explain and --assert do not go yet"))
+                }
+                Some(AnyProfileName::Classic) => Ok(Theory::Views),
+                None => {
+                    eprintln!("{}: a trace of views, explained in profile classic", self.input.display());
+                    Ok(Theory::Views)
+                }
+                Some(_) => Err(self.misfit("is a trace of views, which profile classic alone explains")),
+            };
+        }
+        let profile = match self.profile {
+            None | Some(AnyProfileName::Default) => Profile::Default,
+            Some(AnyProfileName::Paper) => Profile::Paper,
+            Some(AnyProfileName::Classic) => {
+                return Err(self.misfit("is no trace of views, and profile classic explains nothing else"));
+            }
+        };
+        let strategy = match self.strategy {
+            StrategyName::BreadthFirst => Strategy::BreadthFirst,
+            StrategyName::BestFirst => Strategy::BestFirst,
+            StrategyName::Simplest => {
+                return Err(self.misfit("is no trace of views, which alone --strategy simplest-first is for"));
+            }
+        };
+        let boundary = self.boundary.map(Boundary::from);
+        let axioms = self.axioms.unwrap_or_else(|| AxiomSet::of(profile).with_boundary(boundary));
+        Ok(Theory::Stars(axioms, strategy))
+    }
+
+    fn misfit(&self, what: &str) -> Failure {
+        Failure::Usage(format!("{}: {what}", self.input.display()))
+    }
+
+    fn search(&self, input: Events, axioms: AxiomSet, strategy: Strategy) -> Result<Explained, Failure> {
         let max_candidates = usize::try_from(self.max_candidates).unwrap_or(usize::MAX);
         // What one process reads for one user is bounded by the input itself.
         let limits = Limits { events_per_map: usize::MAX, cells_per_map: usize::MAX, ..Limits::default() };
-        let (strategy, max_steps) = (self.strategy.into(), self.max_steps);
+        let max_steps = self.max_steps;
         let mut session = Session::new(MapConfig { axioms, strategy, max_candidates, max_steps }, limits);
         let bar = progress(input.events.len());
         let (mut events, mut fault) = (Vec::new(), input.fault);
@@ -196,6 +252,12 @@ impl From<ProfileName> for Profile {
             ProfileName::Default => Profile::Default,
         }
     }
+}
+
+/// What is to explain a trace.
+enum Theory {
+    Stars(AxiomSet, Strategy),
+    Views,
 }
 
 impl From<BoundaryName> for Boundary {
@@ -276,7 +338,7 @@ pub(super) fn certainty(candidates: &export::Count, preferred: &export::Preferre
     format!("{count}, {simplest}, {proof}")
 }
 
-fn numbers(places: &[usize]) -> String {
+pub(super) fn numbers(places: &[usize]) -> String {
     places.iter().map(usize::to_string).collect::<Vec<_>>().join(" ")
 }
 
@@ -290,20 +352,27 @@ fn write_files(
     report: &Report,
     wire: &export::Report,
 ) -> Result<(), Failure> {
-    fs::create_dir_all(folder).map_err(|error| Failure::writing(folder, error))?;
-    let write = |name: &str, content: &[u8]| {
-        let file = folder.join(name);
-        fs::write(&file, content).map_err(|error| Failure::writing(&file, error))
-    };
     let mut trace = Vec::new();
     events.iter().try_for_each(|event| write_event(&mut trace, event))?;
-    write("trace.ndjson", &trace)?;
-    write("report.json", json(wire)?.as_bytes())?;
+    let mut files = vec![("trace.ndjson", trace), ("report.json", json(wire)?.into_bytes())];
     if let (Some(candidate), Some(preferred)) = (report.minimal.first(), &wire.preferred) {
         let map = MapGraph::of(candidate);
         let certainty = certainty(&wire.candidates, preferred, wire.minimal.len());
-        write("map.txt", map_text(&map).as_bytes())?;
-        write("map.svg", map_svg(&map, "Preferred map", &certainty).as_bytes())?;
+        files.push(("map.txt", map_text(&map).into_bytes()));
+        files.push(("map.svg", map_svg(&map, "Preferred map", &certainty).into_bytes()));
+    }
+    written(folder, files)
+}
+
+/// Writes files into a folder and says so.
+pub(super) fn written(
+    folder: &Path,
+    files: impl IntoIterator<Item = (&'static str, Vec<u8>)>,
+) -> Result<(), Failure> {
+    fs::create_dir_all(folder).map_err(|error| Failure::writing(folder, error))?;
+    for (name, content) in files {
+        let file = folder.join(name);
+        fs::write(&file, content).map_err(|error| Failure::writing(&file, error))?;
     }
     eprintln!("written to {}", folder.display());
     Ok(())

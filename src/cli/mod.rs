@@ -4,6 +4,7 @@
 
 mod asked;
 mod check;
+mod classic;
 mod clingo;
 mod comparison;
 mod demo;

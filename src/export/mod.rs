@@ -2,6 +2,7 @@
 //!
 //! [`Report`] is the one object that `topostar map --json` prints and the service answers from; [`MapGraph`] is a
 //! candidate's map as JSON. Both are made from plain values of `abduction` and `map` and hold nothing else.
+//! [`ViewReport`] is the same for a trace of views, made from values of `classic`.
 
 mod branches;
 mod difference;
@@ -18,6 +19,8 @@ mod extraction_svg;
 mod layout;
 mod map_svg;
 mod map_text;
+mod view_report;
+mod view_text;
 
 pub use branches::{EndedBranches, TreeExtent, TreeNode};
 pub use difference::{Difference, Pairs, Side};
@@ -37,3 +40,5 @@ pub use refutation::{Alternative, EndedBranch, Refutation};
 pub use report::{
     Assertion, Count, Extinction, Preferred, Relation, Report, StopReason, Strategy, profile_name,
 };
+pub use view_report::{PreferredViews, ViewReport, ViewStopReason, ViewStrategy};
+pub use view_text::view_text;

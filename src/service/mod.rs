@@ -5,7 +5,8 @@
 //! stays. The state of a map depends on its configuration and its events alone, so it is rebuilt from them by
 //! replay. Nothing grows without a bound of [`Limits`].
 //!
-//! [`session`] is the state machine of one map, without I/O; [`store`] keeps configurations and events;
+//! [`session`] is the state machine of one map, without I/O, and [`view_session`] that of a trace of views, which the
+//! service does not keep maps of yet; [`store`] keeps configurations and events;
 //! [`maps`] gives every map its turn on the [`workers`]; [`http`] speaks to the world, and [`problem`] alone
 //! decides statuses.
 
@@ -13,6 +14,7 @@ pub mod limits;
 pub mod map_name;
 pub mod map_config;
 pub mod session;
+pub mod view_session;
 pub mod store;
 pub mod view;
 pub mod lines;
@@ -32,4 +34,5 @@ pub use maps::{Maps, MapsError};
 pub use session::{Accepted, Session, SessionError};
 pub use store::{Created, MemoryStore, Store, StoreError, StoredMap};
 pub use view::View;
+pub use view_session::{ViewSession, ViewSessionError};
 pub use workers::{Interrupted, Workers};

@@ -172,7 +172,7 @@ fn cells(event: &Event) -> usize {
     match &event.kind {
         EventKind::Observation(seen) => match &seen.percept {
             Percept::Lpm(lpm) => lpm.grid.info().width * lpm.grid.info().height,
-            Percept::Star { .. } => 0,
+            Percept::Star { .. } | Percept::View(_) => 0,
         },
         EventKind::Turn(_) | EventKind::Travel(_) | EventKind::Assert(_) | EventKind::Retract { .. } => 0,
     }

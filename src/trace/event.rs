@@ -51,6 +51,19 @@ pub struct Assert {
     pub same: bool,
 }
 
+impl EventKind {
+    /// Its name in a trace.
+    pub fn name(&self) -> &'static str {
+        match self {
+            EventKind::Observation(_) => "observation",
+            EventKind::Turn(_) => "turn",
+            EventKind::Travel(_) => "travel",
+            EventKind::Assert(_) => "assert",
+            EventKind::Retract { .. } => "retract",
+        }
+    }
+}
+
 /// What was seen at a place.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Percept {
@@ -66,12 +79,14 @@ pub enum Percept {
     },
     /// A local perceptual model, from which star and slot follow.
     Lpm(Lpm),
+    /// The name of the view at the dstate the robot is at; not empty.
+    View(String),
 }
 
 /// An observation at a place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Observation {
-    /// Star or grid.
+    /// Star, grid or view.
     pub percept: Percept,
 }
 
@@ -84,6 +99,19 @@ pub enum TurnTarget {
     Heading(f64),
     /// Turned by an angle, radians, counter-clockwise positive.
     Angle(f64),
+    /// Facing what the next view shows: in traces of views.
+    Described(TurnDescription),
+}
+
+/// A turn as traces of views describe it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TurnDescription {
+    /// To the left, onto another path.
+    Left,
+    /// To the right, onto another path.
+    Right,
+    /// To the other direction of the same path.
+    Around,
 }
 
 /// A turn within a place.
@@ -91,7 +119,7 @@ pub enum TurnTarget {
 pub struct Turn {
     /// Where it ended.
     pub target: TurnTarget,
-    /// The measured angle beside a slot target, radians.
+    /// The measured angle beside a slot target or a description, radians.
     pub angle: Option<f64>,
 }
 

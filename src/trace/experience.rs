@@ -9,6 +9,7 @@ use crate::lpm::Lpm;
 use crate::star::{SlotIndex, SmallScaleStar};
 use crate::trace::event::{Assert, Event, EventKind, Observation, Percept, Travel, Turn, TurnTarget};
 use crate::trace::event_error::EventError;
+use crate::trace::views::ViewExperience;
 use std::collections::BTreeSet;
 use std::f64::consts::FRAC_PI_3;
 use thiserror::Error;
@@ -98,6 +99,21 @@ pub enum ExperienceError {
         /// The last slot of the star.
         last: u8,
     },
+    /// Something of a trace of views in a trace of stars or grids, or the other way round.
+    #[error(
+        "belongs to a trace of {found}, but this is a trace of {expected}; a trace holds views throughout or nowhere"
+    )]
+    Mixed {
+        /// JSON pointer to what does not belong here.
+        pointer: &'static str,
+        /// What it belongs to.
+        found: &'static str,
+        /// What the trace began with.
+        expected: &'static str,
+    },
+    /// A view where only stars and grids can be taken.
+    #[error("is a view, which profile classic alone explains; expected a star or an lpm")]
+    ViewRefused,
     /// A turn in radians at a star that has no bearings.
     #[error("turns in radians, but the latest star has no bearings; expected `to`, a slot of the star")]
     NoBearings,
@@ -147,6 +163,8 @@ impl ExperienceError {
             ExperienceError::NotSeen { .. } => "/visits/1",
             ExperienceError::OneVisit(_) => "/visits",
             ExperienceError::NotInForce { .. } => "/assert",
+            ExperienceError::Mixed { pointer, .. } => pointer,
+            ExperienceError::ViewRefused => "/view",
             ExperienceError::TravelNotOutward(_)
             | ExperienceError::NoBearings
             | ExperienceError::NoGatewayThere(_) => "",
@@ -175,6 +193,8 @@ enum Phase {
     Place(Here),
     /// Left by a slot, `None` where grids are not looked into, and on the way.
     Travelling(Option<SlotIndex>, Box<Travel>, Option<Motion>),
+    /// In a trace of views, which only [`Experience::check`] takes.
+    Views(ViewExperience),
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -217,6 +237,11 @@ impl Experience {
         if event.seq != self.next_seq {
             return Err(ExperienceError::Sequence { expected: self.next_seq, found: event.seq });
         }
+        if let Some(views) = self.views(event, describe.is_some())? {
+            self.phase = Phase::Views(views);
+            self.next_seq += 1;
+            return Ok(None);
+        }
         match &event.kind {
             EventKind::Assert(assert) => {
                 self.check_assert(assert)?;
@@ -233,6 +258,22 @@ impl Experience {
         }
         self.next_seq += 1;
         Ok(None)
+    }
+
+    /// Where a trace of views leads, if this is one or becomes one by its first event; `explained` says that views
+    /// are of no use.
+    fn views(&self, event: &Event, explained: bool) -> Result<Option<ViewExperience>, ExperienceError> {
+        match (&self.phase, &event.kind) {
+            (Phase::Views(views), _) => views.after(event).map(Some),
+            (Phase::Start, EventKind::Observation(seen)) if matches!(seen.percept, Percept::View(_)) => {
+                if explained {
+                    Err(ExperienceError::ViewRefused)
+                } else {
+                    ViewExperience::new().after(event).map(Some)
+                }
+            }
+            _ => Ok(None),
+        }
     }
 
     /// Where what the robot saw or did leads.
@@ -280,7 +321,10 @@ impl Experience {
 impl Here {
     fn turned(&self, turn: &Turn) -> Result<Here, ExperienceError> {
         let Some((star, _)) = &self.facing else {
-            return Ok(self.clone());
+            return match turn.target {
+                TurnTarget::Described(_) => Err(views_in_stars("/turn")),
+                _ => Ok(self.clone()),
+            };
         };
         let (slot, heading) = match turn.target {
             TurnTarget::Slot(slot) => {
@@ -296,6 +340,7 @@ impl Here {
                 let heading = self.heading.ok_or(ExperienceError::NoBearings)? + angle;
                 (slot_towards(star, heading)?, Some(wrap_angle(heading)))
             }
+            TurnTarget::Described(_) => return Err(views_in_stars("/turn")),
         };
         Ok(Here { facing: Some((star.clone(), slot)), heading, position: self.position })
     }
@@ -355,6 +400,7 @@ fn observe(
             let position = lpm.robot_pose.position();
             return Ok((Phase::Place(Here { facing: None, heading: None, position }), None));
         }
+        (Percept::View(_), _) => return Err(views_in_stars("/view")),
     };
     let Described { star, arrival, middle } = described;
     if travel.is_some() && star.slot(arrival).is_none_or(|slot| slot.inward.is_none()) {
@@ -369,19 +415,17 @@ fn observe(
     Ok((Phase::Place(here), Some(sighting)))
 }
 
+fn views_in_stars(pointer: &'static str) -> ExperienceError {
+    ExperienceError::Mixed { pointer, found: "views", expected: "stars" }
+}
+
 fn out_of_order(found: &EventKind, phase: &Phase) -> ExperienceError {
-    let found = match found {
-        EventKind::Observation(_) => "observation",
-        EventKind::Turn(_) => "turn",
-        EventKind::Travel(_) => "travel",
-        // These may come anywhere.
-        EventKind::Assert(_) => "assert",
-        EventKind::Retract { .. } => "retract",
-    };
+    let found = found.name();
     let expected = match phase {
         Phase::Start => "an observation first",
         Phase::Place(_) => "a turn or a travel after an observation",
         Phase::Travelling(..) => "the observation at the end of the travel",
+        Phase::Views(_) => "an event of a trace of views",
     };
     ExperienceError::Order { found, expected }
 }

@@ -2,7 +2,7 @@
 //!
 //! A trace is append-only. Its events count up from 0 without gaps; an observation is followed by any number of
 //! turns and one travel, which ends at the next observation; an operator's word may stand between any two events;
-//! a trace may stop anywhere. [`event`] holds the
+//! a trace may stop anywhere. A trace of [`views`] has an observation after every turn and travel. [`event`] holds the
 //! values, [`wire`] their JSON form with [`wire_star`] and [`wire_grid`], [`ndjson`] reads and writes lines, and
 //! [`recording`] cuts a log into a trace, with
 //! [`odometry`] to say how uncertain it is. [`experience`] checks the grammar and turns grids into stars
@@ -14,13 +14,17 @@ mod object;
 pub mod wire_star;
 pub mod wire_grid;
 pub mod wire;
+pub mod views;
 pub mod experience;
 pub mod perceive;
 pub mod ndjson;
 pub mod odometry;
 pub mod recording;
 
-pub use event::{Assert, Event, EventKind, Observation, Percept, Stamp, Travel, Turn, TurnTarget};
+pub use event::{
+    Assert, Event, EventKind, Observation, Percept, Stamp, Travel, Turn, TurnDescription, TurnTarget,
+};
 pub use event_error::EventError;
 pub use experience::{Experience, ExperienceError, Motion, Sighting};
 pub use ndjson::{TraceError, parse_event, read_lines, read_trace, write_event, write_trace};
+pub use views::{ViewExperience, ViewSighting};

@@ -6,7 +6,9 @@
 
 use crate::geometry::Pose;
 use crate::star::SlotIndex;
-use crate::trace::event::{Assert, Event, EventKind, Observation, Percept, Stamp, Travel, Turn, TurnTarget};
+use crate::trace::event::{
+    Assert, Event, EventKind, Observation, Percept, Stamp, Travel, Turn, TurnDescription, TurnTarget,
+};
 use crate::trace::event_error::EventError;
 use crate::trace::object;
 use crate::trace::wire_grid::WireLpm;
@@ -32,6 +34,9 @@ pub struct WireEvent {
     /// observation: the slot of `star` the robot is at after the event.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dstate: Option<u64>,
+    /// observation: the name of a view in place of `star` and `dstate`; a trace holds views throughout or nowhere.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub view: Option<String>,
     /// observation: a local perceptual model in place of `star` and `dstate`.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub lpm: Option<WireLpm>,
@@ -41,6 +46,9 @@ pub struct WireEvent {
     /// turn: the slot of the latest star that the robot faces now.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub to: Option<u64>,
+    /// turn: the description of the turn, in a trace of views.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub turn: Option<WireTurn>,
     /// turn: the direction the robot faces now, radians, in the frame of the latest LPM.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub heading: Option<f64>,
@@ -85,6 +93,19 @@ pub enum WireKind {
     Assert,
     /// An operator's word taken back.
     Retract,
+}
+
+/// How a turn is described in a trace of views.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[schema(as = TurnDescription)]
+#[serde(rename_all = "lowercase")]
+pub enum WireTurn {
+    /// To the left, onto another path.
+    Left,
+    /// To the right, onto another path.
+    Right,
+    /// To the other direction of the same path.
+    Around,
 }
 
 /// A time as ROS spells it.
@@ -156,9 +177,11 @@ impl WireEvent {
             stamp: None,
             star: None,
             dstate: None,
+            view: None,
             lpm: None,
             robot_pose: None,
             to: None,
+            turn: None,
             heading: None,
             angle: None,
             odometry: None,
@@ -176,9 +199,11 @@ impl WireEvent {
         let fields = [
             ("star", self.star.is_some(), Observation),
             ("dstate", self.dstate.is_some(), Observation),
+            ("view", self.view.is_some(), Observation),
             ("lpm", self.lpm.is_some(), Observation),
             ("robot_pose", self.robot_pose.is_some(), Observation),
             ("to", self.to.is_some(), Turn),
+            ("turn", self.turn.is_some(), Turn),
             ("heading", self.heading.is_some(), Turn),
             ("angle", self.angle.is_some(), Turn),
             ("odometry", self.odometry.is_some(), Travel),
@@ -201,6 +226,15 @@ impl WireEvent {
     }
 
     fn observation(self) -> Result<Observation, EventError> {
+        if let Some(view) = self.view {
+            let others = [
+                ("star", self.star.is_some()),
+                ("dstate", self.dstate.is_some()),
+                ("lpm", self.lpm.is_some()),
+                ("robot_pose", self.robot_pose.is_some()),
+            ];
+            return view_alone(view, &others);
+        }
         let robot_pose = self.robot_pose.map(WirePose::pose);
         let percept = match (self.star, self.lpm) {
             (Some(star), None) => {
@@ -225,13 +259,25 @@ impl WireEvent {
                 return Err(EventError::new("/lpm", "stands beside a star, expected one of the two"));
             }
             (None, None) => {
-                return Err(EventError::new("", "an observation needs a star (with dstate) or an lpm"));
+                return Err(EventError::new(
+                    "",
+                    "an observation needs a star (with dstate), an lpm or a view",
+                ));
             }
         };
         Ok(Observation { percept })
     }
 
     fn turn(self) -> Result<Turn, EventError> {
+        if let Some(turn) = self.turn {
+            let beside = [("/to", self.to.is_some()), ("/heading", self.heading.is_some())];
+            return match beside.iter().find(|(_, given)| *given) {
+                Some((field, _)) => {
+                    Err(EventError::new(*field, "stands beside turn, expected one of the two"))
+                }
+                None => Ok(Turn { target: TurnTarget::Described(turn.into()), angle: self.angle }),
+            };
+        }
         match (self.to, self.heading, self.angle) {
             (Some(_), Some(_), _) => {
                 Err(EventError::new("/heading", "stands beside to, expected one of the two"))
@@ -246,7 +292,9 @@ impl WireEvent {
             (None, Some(heading), None) => Ok(Turn { target: TurnTarget::Heading(heading), angle: None }),
             (None, None, Some(angle)) => Ok(Turn { target: TurnTarget::Angle(angle), angle: Some(angle) }),
             (None, None, None) => {
-                Err(EventError::new("", "a turn needs to (a slot), heading or angle (radians)"))
+                let message =
+                    "a turn needs to (a slot), heading or angle (radians), in a trace of views turn";
+                Err(EventError::new("", message))
             }
         }
     }
@@ -288,6 +336,7 @@ impl WireEvent {
                 self.dstate = Some(dstate.0.into());
                 self.robot_pose = robot_pose.as_ref().map(WirePose::from_pose);
             }
+            Percept::View(view) => self.view = Some(view.clone()),
             Percept::Lpm(lpm) => {
                 self.lpm = Some(WireLpm::from_grid(&lpm.grid));
                 self.robot_pose = Some(WirePose::from_pose(&lpm.robot_pose));
@@ -301,6 +350,9 @@ impl WireEvent {
             TurnTarget::Slot(slot) => (self.to, self.angle) = (Some(slot.0.into()), turn.angle),
             TurnTarget::Heading(heading) => self.heading = Some(heading),
             TurnTarget::Angle(angle) => self.angle = Some(angle),
+            TurnTarget::Described(described) => {
+                (self.turn, self.angle) = (Some(described.into()), turn.angle);
+            }
         }
     }
 
@@ -323,6 +375,38 @@ impl WirePose {
     pub fn from_pose(pose: &Pose) -> WirePose {
         WirePose { x: pose.x, y: pose.y, theta: pose.theta }
     }
+}
+
+impl From<WireTurn> for TurnDescription {
+    fn from(wire: WireTurn) -> TurnDescription {
+        match wire {
+            WireTurn::Left => TurnDescription::Left,
+            WireTurn::Right => TurnDescription::Right,
+            WireTurn::Around => TurnDescription::Around,
+        }
+    }
+}
+
+impl From<TurnDescription> for WireTurn {
+    fn from(turn: TurnDescription) -> WireTurn {
+        match turn {
+            TurnDescription::Left => WireTurn::Left,
+            TurnDescription::Right => WireTurn::Right,
+            TurnDescription::Around => WireTurn::Around,
+        }
+    }
+}
+
+/// A view, which stands beside none of the other fields of an observation.
+fn view_alone(view: String, others: &[(&str, bool)]) -> Result<Observation, EventError> {
+    if let Some((field, _)) = others.iter().find(|(_, given)| *given) {
+        let message = "stands beside a view, which says all there is; leave one of the two out";
+        return Err(EventError::new(format!("/{field}"), message));
+    }
+    if view.is_empty() {
+        return Err(EventError::new("/view", "is empty, expected the name of what the robot sees"));
+    }
+    Ok(Observation { percept: Percept::View(view) })
 }
 
 fn stamp(wire: WireStamp) -> Result<Stamp, EventError> {

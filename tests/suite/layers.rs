@@ -21,6 +21,7 @@ const MATRIX: &[(&str, &[&str])] = &[
     ("abduction", &["star", "map"]),
     ("metric", &["geometry", "star", "trace", "map", "abduction"]),
     ("reference", &["star", "abduction"]),
+    ("classic", &["abduction"]),
     ("explanation", &["star", "map", "abduction"]),
     (
         "export",
@@ -35,6 +36,7 @@ const MATRIX: &[(&str, &[&str])] = &[
             "map",
             "abduction",
             "reference",
+            "classic",
             "explanation",
         ],
     ),
@@ -50,6 +52,7 @@ const MATRIX: &[(&str, &[&str])] = &[
             "map",
             "abduction",
             "metric",
+            "classic",
             "explanation",
             "export",
         ],
@@ -69,6 +72,7 @@ const MATRIX: &[(&str, &[&str])] = &[
             "abduction",
             "metric",
             "reference",
+            "classic",
             "explanation",
             "export",
             "service",
@@ -77,8 +81,19 @@ const MATRIX: &[(&str, &[&str])] = &[
 ];
 
 /// Modules that know neither wire types, nor clocks, files, environment or global state.
-const CORE: &[&str] =
-    &["geometry", "grid", "lpm", "gateway", "star", "map", "abduction", "metric", "reference", "explanation"];
+const CORE: &[&str] = &[
+    "geometry",
+    "grid",
+    "lpm",
+    "gateway",
+    "star",
+    "map",
+    "abduction",
+    "metric",
+    "reference",
+    "classic",
+    "explanation",
+];
 const NOT_IN_CORE: &[&str] = &[
     "serde",
     "utoipa",
@@ -96,7 +111,7 @@ const NOT_IN_CORE: &[&str] = &[
 ];
 
 /// Modules in which metres have no place.
-const SYMBOLS_ONLY: &[&str] = &["map", "abduction", "reference", "explanation"];
+const SYMBOLS_ONLY: &[&str] = &["map", "abduction", "reference", "classic", "explanation"];
 const NOT_IN_SYMBOLS: &[&str] = &["f64", "f32", "nalgebra", "parry"];
 
 #[test]

@@ -50,6 +50,26 @@ async fn huge_numbers() {
     still_works(&client).await;
 }
 
+/// Profile `classic` is not served.
+#[tokio::test]
+async fn events_of_a_trace_of_views() {
+    let client = fresh().await;
+    let view = r#"{"seq":0,"kind":"observation","view":"corridor ahead"}"#;
+    for kind in [JSON, NDJSON] {
+        let problem = client.post("a", kind, view).await.problem(422, "malformed-event");
+        assert_eq!((&problem["pointer"], &problem["seq"]), (&"/view".into(), &0.into()));
+        assert!(
+            problem["detail"].as_str().unwrap().contains("which profile classic alone explains"),
+            "{problem}"
+        );
+    }
+    let turned = format!("{}\n{{\"seq\":1,\"kind\":\"turn\",\"turn\":\"left\"}}", aces_lines()[0]);
+    client.put("b", "").await;
+    let problem = client.post("b", NDJSON, turned).await.problem(422, "malformed-event");
+    assert_eq!((&problem["pointer"], &problem["line"]), (&"/turn".into(), &2.into()));
+    still_works(&client).await;
+}
+
 #[tokio::test]
 async fn invalid_utf8() {
     let client = fresh().await;
