@@ -16,6 +16,7 @@ mod clingo;
 mod golden;
 mod judge;
 mod measured;
+mod best_first;
 mod boundary;
 mod grid_walks;
 mod hard_cases;

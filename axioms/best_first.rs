@@ -1,0 +1,160 @@
+//! The search for the simplest candidates alone finds what the exhaustive one ranks first.
+
+use crate::engine::{axiom_sets, explain, stories};
+use crate::strategies::{grid_walks, lies, tangled_walks};
+use crate::traces::visits;
+use proptest::prelude::*;
+use topostar::abduction::{
+    Abduction, Assertion, AxiomSet, Boundary, Limits, Profile, Relation, Report, Simplicity, StopReason,
+    Visit,
+};
+
+fn unsettled(seen: &[Visit], axioms: AxiomSet, limits: Limits) -> Abduction {
+    let mut abduction = Abduction::best_first(axioms, limits);
+    seen.iter().for_each(|visit| abduction.observe(visit).unwrap());
+    abduction
+}
+
+fn settled(seen: &[Visit], axioms: AxiomSet) -> Abduction {
+    let mut abduction = unsettled(seen, axioms, Limits::default());
+    abduction.settle(&|| false);
+    abduction
+}
+
+/// Both searches prefer the same candidates, and say so in the same way.
+fn agree(found: &Abduction, all: &Abduction) -> Result<(), TestCaseError> {
+    let (found_report, all_report) = (found.report(), all.report());
+    prop_assert_eq!(stories(found), minimal(&all_report));
+    prop_assert_eq!(&found_report.minimal, &all_report.minimal);
+    prop_assert_eq!(found_report.simplicity, all_report.simplicity);
+    prop_assert_eq!(found_report.unique, all_report.unique);
+    prop_assert!(found_report.proven);
+    prop_assert_eq!(found.settlement().unwrap().bound, all_report.simplicity);
+    prop_assert!(found_report.candidates.value <= all_report.candidates.value);
+    let expected = if all.is_empty() { Relation::Equal } else { Relation::AtLeast };
+    prop_assert_eq!(found_report.candidates.relation, expected);
+    Ok(())
+}
+
+fn minimal(report: &Report) -> Vec<crate::reference::Story> {
+    report.minimal.iter().map(crate::engine::story).collect()
+}
+
+fn all_axiom_sets() -> Vec<AxiomSet> {
+    let soft = AxiomSet::of(Profile::Paper).with_boundary(Some(Boundary::Soft));
+    axiom_sets().into_iter().chain([soft]).collect()
+}
+
+/// The longest beginning that all axiom sets explain exhaustively in little time.
+fn exhaustible(seen: &[Visit]) -> &[Visit] {
+    let few = |length: &usize| explain(&seen[..*length], AxiomSet::built_in()).len() <= 400;
+    &seen[..(1..=seen.len()).take_while(few).last().unwrap_or(1)]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 768, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn the_simplest_are_those_of_all(walk in tangled_walks(12), grid in grid_walks(20), lies in lies(10)) {
+        for seen in [&walk.visits, &grid.visits, &lies] {
+            let seen = exhaustible(seen);
+            for axioms in all_axiom_sets() {
+                agree(&settled(seen, axioms), &explain(seen, axioms))?;
+            }
+        }
+    }
+
+    #[test]
+    fn the_operators_word_is_held(
+        walk in tangled_walks(9), said in prop::collection::vec((any::<usize>(), any::<usize>(), any::<bool>()), 1..4)
+    ) {
+        let seen = exhaustible(&walk.visits);
+        let axioms = AxiomSet::of(Profile::Paper);
+        let (mut found, mut all) = (unsettled(seen, axioms, Limits::default()), explain(seen, axioms));
+        for (id, (a, b, same)) in (0..).zip(said) {
+            let assertion = Assertion { id, visits: [a % seen.len(), b % seen.len()], same };
+            let taken = all.assert(assertion);
+            prop_assert_eq!(&found.assert(assertion), &taken);
+        }
+        found.settle(&|| false);
+        agree(&found, &all)?;
+    }
+
+    #[test]
+    fn a_search_cut_short_is_honest_and_goes_on(walk in grid_walks(14), most in 1..40u64) {
+        let axioms = AxiomSet::of(Profile::Paper);
+        let whole = settled(&walk.visits, axioms);
+        let least = whole.report().simplicity.unwrap();
+        let limits = Limits { max_steps: Some(most), max_candidates: None };
+        let mut cut = unsettled(&walk.visits, axioms, limits);
+        cut.settle(&|| false);
+        let (settlement, report) = (cut.settlement().unwrap(), cut.report());
+        prop_assert!(settlement.bound.unwrap() <= least);
+        prop_assert!(report.simplicity.is_none_or(|found| found >= least));
+        prop_assert_eq!(settlement.proven, report.stop_reason == StopReason::MinimumProven);
+        prop_assert!(settlement.proven || (settlement.steps <= most && !report.unique && !report.proven));
+        prop_assert!(settlement.proven || report.stop_reason == StopReason::StepLimit);
+        // Interrupted after every step it comes to the same end by the same steps.
+        let mut slow = unsettled(&walk.visits, axioms, Limits::default());
+        let mut rounds = 0;
+        while !slow.settlement().is_some_and(|settlement| settlement.proven) {
+            let asked = std::cell::Cell::new(0);
+            slow.settle(&|| asked.replace(asked.get() + 1) > 0);
+            rounds += 1;
+            prop_assert!(rounds <= 1_000_000, "it does not come to an end");
+        }
+        prop_assert_eq!(slow.report(), whole.report());
+    }
+
+    #[test]
+    fn candidates_do_not_depend_on_the_number_of_threads(walk in grid_walks(14), limit in 1..3000usize) {
+        let limits = [Limits::default(), Limits { max_candidates: Some(limit), max_steps: None }];
+        for (axioms, limits) in [AxiomSet::built_in(), AxiomSet::of(Profile::Default)].into_iter().zip(limits) {
+            let search = |threads: usize| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                pool.install(|| {
+                    let mut abduction = Abduction::new(axioms, limits);
+                    walk.visits.iter().for_each(|visit| abduction.observe(visit).unwrap());
+                    (abduction.report(), stories(&abduction))
+                })
+            };
+            prop_assert_eq!(search(1), search(3));
+        }
+    }
+}
+
+#[test]
+fn recorded_traces() {
+    let expected = [
+        ("aces-stars", (6, 9), [2, 1]),
+        ("grid3x3-16", (5, 7), [3, 1]),
+        ("grid4x3-20", (6, 9), [1, 1]),
+        ("grid4x4-24", (4, 8), [1, 1]),
+        ("grid4x4-28", (4, 8), [3, 1]),
+    ];
+    for (trace, (paths, places), ties) in expected {
+        for (profile, ties) in [Profile::Paper, Profile::Default].into_iter().zip(ties) {
+            let report = settled(&visits(trace), AxiomSet::of(profile)).report();
+            let simplicity = Simplicity { abnormalities: None, paths, places };
+            assert_eq!(report.simplicity, Some(simplicity), "{trace}");
+            assert_eq!(
+                (report.minimal.len(), report.unique, report.proven),
+                (ties, ties == 1, true),
+                "{trace}"
+            );
+            assert_eq!(report.stop_reason, StopReason::MinimumProven);
+            assert!(!report.complete);
+        }
+    }
+}
+
+#[test]
+fn before_it_is_settled_it_holds_nothing() {
+    let mut abduction = unsettled(&visits("aces-stars"), AxiomSet::of(Profile::Paper), Limits::default());
+    assert!(abduction.is_empty() && !abduction.report().proven && abduction.settlement().is_none());
+    assert_eq!(abduction.report().stop_reason, StopReason::Interrupted);
+    abduction.settle(&|| true);
+    assert!(!abduction.report().proven);
+    abduction.settle(&|| false);
+    assert!(abduction.report().proven);
+}
