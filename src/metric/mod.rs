@@ -5,7 +5,7 @@
 //! candidate carries metric state, so that every order of search gives the same answer. Judging one travel costs
 //! about the number of visits, times its logarithm.
 //!
-//! All that is measured lies in a graph of two kinds of frames ([`chain`]): that of each visit, and that of each
+//! All that is measured lies in a graph of two kinds of frames (`chain`): that of each visit, and that of each
 //! place, which is that of its first visit. A travel joins the frames of two visits; a visit is joined to the frame
 //! of its place by the rotation that lays the bearings of its slots onto those of the first visit, under the
 //! alignment that the candidate assigns. Another alignment is another rotation: so heading tells apart what
