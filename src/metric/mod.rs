@@ -12,8 +12,8 @@
 //! symmetry does not.
 //!
 //! The bounds, once for all: a true map is refuted only where some error exceeds its gate
-//! ([`MetricParameters`]), whatever mixture of errors is independent from travel to travel and of errors that are
-//! the same on all of them (a wheel larger than the other, a wrong scale). What is not known is not judged.
+//! ([`MetricParameters`]), whatever share of the errors is the same on all travels (a wheel larger than the other, a
+//! wrong scale) and not new on each, as long as that share does not change. What is not known is not judged.
 
 mod angle;
 mod apart;
