@@ -24,8 +24,8 @@ pub struct Drift {
 impl Drift {
     /// As bad as odometry that leaves 14 to 25 m at the end of a loop of 80 by 25 m.
     ///
-    /// A constant error of heading bends such a loop open by 42 m for each 0.01 radians a metre; with these figures the
-    /// root of the mean square is 20 m.
+    /// A constant error of heading bends such a loop open by 8.8 m for each 0.001 radians a metre; with these figures
+    /// the root of the mean square is 20 m.
     pub const WORST: Drift = Drift {
         heading_bias: 0.0022,
         heading_noise: 0.005,

@@ -5,15 +5,15 @@
 //! candidate carries metric state, so that every order of search gives the same answer. Judging one travel costs
 //! about the number of visits, times its logarithm.
 //!
-//! All that is measured lies in a graph of two kinds of frames ([`chain`]): that of each visit, and that of each
+//! All that is measured lies in a graph of two kinds of frames (`chain`): that of each visit, and that of each
 //! place, which is that of its first visit. A travel joins the frames of two visits; a visit is joined to the frame
 //! of its place by the rotation that lays the bearings of its slots onto those of the first visit, under the
 //! alignment that the candidate assigns. Another alignment is another rotation: so heading tells apart what
 //! symmetry does not.
 //!
 //! The bounds, once for all: a true map is refuted only where some error exceeds its gate
-//! ([`MetricParameters`]), whatever mixture of errors is independent from travel to travel and of errors that are
-//! the same on all of them (a wheel larger than the other, a wrong scale). What is not known is not judged.
+//! ([`MetricParameters`]), whatever share of the errors is the same on all travels (a wheel larger than the other, a
+//! wrong scale) and not new on each, as long as that share does not change. What is not known is not judged.
 
 mod angle;
 mod apart;
