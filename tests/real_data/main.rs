@@ -88,7 +88,7 @@ fn aces_stars_measured() -> Vec<Sighting> {
     let mut poses = cut.iter().filter_map(|event| match &event.kind {
         EventKind::Observation(seen) => match &seen.percept {
             Percept::Lpm(lpm) => Some(lpm.robot_pose),
-            Percept::Star { .. } => None,
+            Percept::Star { .. } | Percept::View(_) => None,
         },
         _ => None,
     });
