@@ -7,7 +7,7 @@
 //! axioms say and what they leave open is written in [`AXIOMS`].
 //!
 //! A schema that a map already holds explains an observation or discards the map; any other observation branches
-//! over every known dstate with its view and a new one. [`breadth_first`] follows all candidates, [`best_first`]
+//! over every known dstate with its view and a new one. [`breadth_first()`] follows all candidates, [`best_first()`]
 //! the simplest or the most promising.
 //!
 //! Symbols only, and values only: a map is never changed once made.
