@@ -148,6 +148,17 @@ fn recorded_traces() {
     }
 }
 
+/// A walk of 64 travels whose candidates are too many to be enumerated. What it must find was found by itself: that it is the
+/// minimum rests on the searches above, which are compared with exhaustive ones.
+#[test]
+fn a_walk_too_long_for_exhaustive_search() {
+    let mut abduction = unsettled(&visits("grid6x6-64"), AxiomSet::of(Profile::Paper), Limits::default());
+    abduction.settle(&|| false);
+    let report = abduction.report();
+    assert_eq!(report.simplicity, Some(Simplicity { abnormalities: None, paths: 6, places: 16 }));
+    assert_eq!((report.minimal.len(), report.proven, report.unique), (4, true, false));
+}
+
 #[test]
 fn before_it_is_settled_it_holds_nothing() {
     let mut abduction = unsettled(&visits("aces-stars"), AxiomSet::of(Profile::Paper), Limits::default());
