@@ -3,7 +3,8 @@
 use crate::classic::{Guide, Report, StopReason, best_first, breadth_first};
 use crate::cli::failure::Failure;
 use crate::cli::input::Events;
-use crate::cli::map::{Map, StrategyName, numbers, written};
+use crate::cli::map::{Map, StrategyName, written};
+use crate::cli::words::numbers;
 use crate::export::{Relation, ViewReport, ViewStrategy, view_text};
 use crate::service::ViewSession;
 use crate::trace::{Event, EventKind, Percept, write_trace};

@@ -1,8 +1,8 @@
 //! `topostar demo`: a bundled world, end to end over real HTTP on loopback.
 
 use crate::cli::failure::Failure;
-use crate::cli::map::{certainty, headline};
 use crate::cli::serve::{maps, runtime};
+use crate::cli::words::{certainty, headline};
 use crate::cli::world;
 use crate::export::{MapGraph, Report, map_svg, map_text, place_type};
 use crate::service::http;

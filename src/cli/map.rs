@@ -5,7 +5,8 @@ use crate::cli::asked::{Asked, Said};
 use crate::cli::classic::{self, is_of_views};
 use crate::cli::failure::Failure;
 use crate::cli::input::{Events, read_events};
-use crate::export::{self, Explanation, MapGraph, explanation_text, map_svg, map_text, visits_text};
+use crate::cli::words::{certainty, in_words, reasons_in_words};
+use crate::export::{self, Explanation, MapGraph, map_svg, map_text};
 use crate::service::{Limits, MapConfig, Session, SessionError};
 use crate::trace::{Event, EventKind, write_event};
 use clap::{Args, ValueEnum};
@@ -276,70 +277,6 @@ pub(super) fn progress(events: usize) -> ProgressBar {
         bar.set_style(style);
     }
     bar
-}
-
-/// The report in words.
-fn in_words(report: &Report, wire: &export::Report) -> String {
-    let mut text = String::from("candidates after each observation  ");
-    let counts: Vec<String> = wire.candidates_per_observation.iter().map(u64::to_string).collect();
-    text += &counts.join(" ");
-    text += &format!("\nmaps created {}, refuted", wire.maps_created);
-    let refuted: Vec<String> =
-        wire.refuted.iter().map(|(axiom, count)| format!(" {axiom} {count}")).collect();
-    text += &refuted.join(",");
-    text +=
-        if wire.complete { "\n\n" } else { "\nlower bounds from where --max-candidates cut the search\n\n" };
-    let (Some(candidate), Some(preferred)) = (report.minimal.first(), &wire.preferred) else {
-        return text + "no map\n";
-    };
-    text += &headline(&wire.candidates, preferred, wire.minimal.len());
-    text += "\n";
-    text += &map_text(&MapGraph::of(candidate));
-    let rivals = report
-        .minimal
-        .iter()
-        .skip(1)
-        .map(|rival| format!("as simple: visits {}\n", numbers(&rival.places())));
-    text + &rivals.collect::<String>()
-}
-
-/// The reasons in words, if there are any: of two visits, if they were asked for, and else all.
-fn reasons_in_words(wire: &export::Report) -> String {
-    let Some(explanation) = &wire.explain else { return String::new() };
-    let reasons = match &explanation.visits {
-        Some(visits) => visits_text(visits, wire),
-        None => explanation_text(explanation, wire),
-    };
-    format!("\n{reasons}")
-}
-
-/// The preferred map in two lines: how sure it is and how big, and the place of each visit.
-pub(super) fn headline(candidates: &export::Count, preferred: &export::Preferred, ties: usize) -> String {
-    let export::Preferred { places, paths, segments, dstates, visits, .. } = preferred;
-    let abnormalities =
-        preferred.abnormalities.map(|count| format!(", {count} abnormalities")).unwrap_or_default();
-    format!(
-        "preferred map: {}\n{places} places, {paths} paths, {segments} path segments, {dstates} dstates{abnormalities}\n\
-         visits to places {}\n",
-        certainty(candidates, preferred, ties),
-        numbers(visits),
-    )
-}
-
-/// How sure the preferred map is.
-pub(super) fn certainty(candidates: &export::Count, preferred: &export::Preferred, ties: usize) -> String {
-    let count = match candidates.relation {
-        export::Relation::Eq => format!("1 of {} possible", candidates.value),
-        export::Relation::Gte => format!("1 of at least {} possible", candidates.value),
-    };
-    let simplest =
-        if preferred.unique { "the simplest".into() } else { format!("1 of {ties} equally simple") };
-    let proof = if preferred.proven { "proven" } else { "not proven" };
-    format!("{count}, {simplest}, {proof}")
-}
-
-pub(super) fn numbers(places: &[usize]) -> String {
-    places.iter().map(usize::to_string).collect::<Vec<_>>().join(" ")
 }
 
 fn json(report: &export::Report) -> Result<String, Failure> {

@@ -13,6 +13,7 @@ mod failure;
 mod input;
 mod map;
 mod serve;
+mod words;
 mod world;
 
 use clap::{Parser, Subcommand};

@@ -38,7 +38,7 @@ pub use map_text::{map_text, place_type};
 pub use outlook::{Outlook, PredictedSlot, Prediction, Prospect};
 pub use refutation::{Alternative, EndedBranch, Refutation};
 pub use report::{
-    Assertion, Count, Extinction, Preferred, Relation, Report, StopReason, Strategy, profile_name,
+    Assertion, Bound, Count, Extinction, Preferred, Relation, Report, StopReason, Strategy, profile_name,
 };
 pub use view_report::{PreferredViews, ViewReport, ViewStopReason, ViewStrategy};
 pub use view_text::view_text;

@@ -65,6 +65,29 @@ fn the_report_has_the_fields_that_are_promised() {
 }
 
 #[test]
+fn the_simplest_maps_are_proven_without_the_others() {
+    let walk = ["map", "worlds/grid4x4-28.ndjson", "--profile", "paper", "--strategy", "best-first"];
+    let output = topostar(&[&walk[..], &["--json"]].concat());
+    assert_eq!(output.status.code(), Some(0));
+    let report = json(&output);
+    assert_eq!(report["candidates"], serde_json::json!({"value": 3, "relation": "gte"}));
+    assert_eq!(report["bound"], serde_json::json!({"paths": 4, "places": 8}));
+    assert_eq!(report["preferred"]["proven"], true);
+    assert_eq!(report["preferred"]["unique"], false);
+    assert_eq!((&report["complete"], &report["stop_reason"]), (&false.into(), &"minimum-proven".into()));
+    let words = text(&topostar(&walk).stdout);
+    assert!(words.contains("no map has fewer than 4 paths, nor with 4 fewer than 8 places\n"), "{words}");
+
+    let cut = topostar(&[&walk[..], &["--max-steps", "5", "--json"]].concat());
+    assert_eq!(cut.status.code(), Some(5));
+    let report = json(&cut);
+    assert_eq!((&report["stop_reason"], &report["steps"]), (&"step-limit".into(), &5.into()));
+    assert!(text(&cut.stderr).contains("--max-steps ended the search"));
+    let usage = topostar(&[&walk[..], &["--max-seconds", "-1"]].concat());
+    assert_eq!(usage.status.code(), Some(2));
+}
+
+#[test]
 fn boundaries_refute_or_rank_as_asked() {
     let crescent = |how: &[&str]| {
         topostar(&[&["map", "worlds/crescent.ndjson", "--profile", "paper", "--json"], how].concat())

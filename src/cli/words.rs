@@ -1,0 +1,85 @@
+//! What was found, in words.
+
+use crate::abduction::{Report, Strategy};
+use crate::export::{self, MapGraph, explanation_text, map_text, visits_text};
+
+/// The report in words.
+pub(super) fn in_words(report: &Report, wire: &export::Report) -> String {
+    let mut text = search_in_words(report.strategy, wire);
+    let (Some(candidate), Some(preferred)) = (report.minimal.first(), &wire.preferred) else {
+        return text + "no map\n";
+    };
+    text += &headline(&wire.candidates, preferred, wire.minimal.len());
+    text += "\n";
+    text += &map_text(&MapGraph::of(candidate));
+    let rivals = report
+        .minimal
+        .iter()
+        .skip(1)
+        .map(|rival| format!("as simple: visits {}\n", numbers(&rival.places())));
+    text + &rivals.collect::<String>()
+}
+
+/// What the search did: how many candidates it left, or how far it proves what it found.
+fn search_in_words(strategy: Strategy, wire: &export::Report) -> String {
+    let refuted: Vec<String> = wire.refuted.iter().map(|(axiom, count)| format!("{axiom} {count}")).collect();
+    let refuted = refuted.join(", ");
+    match strategy {
+        Strategy::BreadthFirst => {
+            let counts: Vec<String> = wire.candidates_per_observation.iter().map(u64::to_string).collect();
+            let cut =
+                if wire.complete { "" } else { "lower bounds from where --max-candidates cut the search\n" };
+            format!(
+                "candidates after each observation  {}\nmaps created {}, refuted {refuted}\n{cut}\n",
+                counts.join(" "),
+                wire.maps_created
+            )
+        }
+        Strategy::BestFirst => {
+            let bound = wire.bound.map(|export::Bound { paths, places }| {
+                format!("no map has fewer than {paths} paths, nor with {paths} fewer than {places} places\n")
+            });
+            let (steps, bound) = (wire.steps.unwrap_or_default(), bound.unwrap_or_default());
+            format!("partial maps looked at {steps}, refuted {refuted}\n{bound}\n")
+        }
+    }
+}
+
+/// The reasons in words, if there are any: of two visits, if they were asked for, and else all.
+pub(super) fn reasons_in_words(wire: &export::Report) -> String {
+    let Some(explanation) = &wire.explain else { return String::new() };
+    let reasons = match &explanation.visits {
+        Some(visits) => visits_text(visits, wire),
+        None => explanation_text(explanation, wire),
+    };
+    format!("\n{reasons}")
+}
+
+/// The preferred map in two lines: how sure it is and how big, and the place of each visit.
+pub(super) fn headline(candidates: &export::Count, preferred: &export::Preferred, ties: usize) -> String {
+    let export::Preferred { places, paths, segments, dstates, visits, .. } = preferred;
+    let abnormalities =
+        preferred.abnormalities.map(|count| format!(", {count} abnormalities")).unwrap_or_default();
+    format!(
+        "preferred map: {}\n{places} places, {paths} paths, {segments} path segments, {dstates} dstates{abnormalities}\n\
+         visits to places {}\n",
+        certainty(candidates, preferred, ties),
+        numbers(visits),
+    )
+}
+
+/// How sure the preferred map is.
+pub(super) fn certainty(candidates: &export::Count, preferred: &export::Preferred, ties: usize) -> String {
+    let count = match candidates.relation {
+        export::Relation::Eq => format!("1 of {} possible", candidates.value),
+        export::Relation::Gte => format!("1 of at least {} possible", candidates.value),
+    };
+    let simplest =
+        if preferred.unique { "the simplest".into() } else { format!("1 of {ties} equally simple") };
+    let proof = if preferred.proven { "proven" } else { "not proven" };
+    format!("{count}, {simplest}, {proof}")
+}
+
+pub(super) fn numbers(places: &[usize]) -> String {
+    places.iter().map(usize::to_string).collect::<Vec<_>>().join(" ")
+}
