@@ -4,9 +4,8 @@ use crate::abduction::kept::Kept;
 use crate::abduction::{
     Assignment, AxiomId, AxiomSet, Branch, Evidence, Lineage, Outcome, Proposal, Refutations, Visit,
 };
-use crate::map::{DstateId, InternedStar, PlaceId, TopologicalMap};
+use crate::map::{DstateId, Grown, InternedStar, PlaceId, TopologicalMap};
 use crate::star::SlotIndex;
-use std::sync::Arc;
 
 /// An observation after the first, with all that does not depend on the candidate.
 pub(super) struct Seen {
@@ -19,7 +18,7 @@ pub(super) struct Seen {
 
 /// A candidate that explains the observation.
 pub(super) struct Child {
-    pub(super) map: Arc<TopologicalMap>,
+    pub(super) map: TopologicalMap,
     pub(super) assignment: Assignment,
     /// Whether the map is a new one, made by branching.
     pub(super) made: bool,
@@ -32,6 +31,7 @@ pub(super) struct Extension<'a> {
     pub(super) evidence: Option<&'a dyn Evidence>,
     pub(super) refuted: Refutations,
     pub(super) kept: Kept,
+    pub(super) grown: Grown,
 }
 
 impl Seen {
@@ -67,7 +67,7 @@ impl Extension<'_> {
     pub(super) fn extend(
         &mut self,
         parent: u32,
-        map: &Arc<TopologicalMap>,
+        map: &TopologicalMap,
         at: Assignment,
         lineage: &dyn Lineage,
     ) {
@@ -83,12 +83,12 @@ impl Extension<'_> {
         }
     }
 
-    fn follow(&mut self, parent: u32, map: &Arc<TopologicalMap>, branch: &Branch<'_>, to: DstateId) {
+    fn follow(&mut self, parent: u32, map: &TopologicalMap, branch: &Branch<'_>, to: DstateId) {
         let rotation = self.seen.rotation(to.slot);
         let matches = self.seen.alignments(map, to.place).contains(&rotation);
         let assignment = Assignment { place: to.place, rotation };
         if self.admits(&Proposal { branch, assignment, outcome: Outcome::Known { to, matches } }) {
-            self.kept.push(parent, Child { map: Arc::clone(map), assignment, made: false });
+            self.kept.push(parent, Child { map: map.clone(), assignment, made: false });
         }
     }
 
@@ -102,7 +102,7 @@ impl Extension<'_> {
                 let assignment = Assignment { place, rotation };
                 let closure = Proposal { branch, assignment, outcome: Outcome::Closure { to } };
                 if (to != branch.from() || refutable) && self.admits(&closure) {
-                    let map = Arc::new(map.joined(branch.from(), to));
+                    let map = map.joined(branch.from(), to);
                     self.kept.push(parent, Child { map, assignment, made: true });
                 }
             }
@@ -116,7 +116,7 @@ impl Extension<'_> {
         let assignment = Assignment { place, rotation: 0 };
         if self.admits(&Proposal { branch, assignment, outcome: Outcome::NewPlace }) {
             let to = DstateId { place, slot: self.seen.gateway };
-            let map = Arc::new(map.grown(branch.from(), &self.seen.star, to));
+            let map = map.grown(branch.from(), &self.seen.star, to, &mut self.grown);
             self.kept.push(parent, Child { map, assignment, made: true });
         }
     }

@@ -1,14 +1,18 @@
 //! The children of one observation, cut to a limit while they are made.
 
 use crate::abduction::children::Child;
+use crate::abduction::tree::Node;
 use crate::abduction::{AxiomSet, Simplicity};
+use crate::map::TopologicalMap;
 
 /// Children in the order in which they were made. Never many more than the limit are held at once: each is a map,
 /// and one observation may make hundreds from every candidate.
 pub(super) struct Kept {
     limit: Option<usize>,
     axioms: AxiomSet,
-    children: Vec<(u32, Child)>,
+    nodes: Vec<Node>,
+    /// The map of each node.
+    maps: Vec<TopologicalMap>,
     /// Of all children, cut ones among them, how many are new maps.
     pub(super) made: u64,
     cut: bool,
@@ -19,47 +23,52 @@ const SLACK: usize = 2048;
 
 impl Kept {
     pub(super) fn new(limit: Option<usize>, axioms: AxiomSet) -> Self {
-        Kept { limit, axioms, children: Vec::new(), made: 0, cut: false }
+        Kept { limit, axioms, nodes: Vec::new(), maps: Vec::new(), made: 0, cut: false }
     }
 
     /// Adds the child of a candidate, which comes after all before it in the order of assignments.
     pub(super) fn push(&mut self, parent: u32, child: Child) {
         self.made += u64::from(child.made);
-        self.children.push((parent, child));
-        if self.limit.is_some_and(|limit| self.children.len() / 2 >= limit.max(SLACK)) {
-            self.cut_to_limit();
-        }
+        self.nodes.push(Node { parent, assignment: child.assignment });
+        self.maps.push(child.map);
+        self.cut_to_slack();
     }
 
     /// Adds children that come after all before them, cut to the same limit.
     pub(super) fn append(&mut self, others: Kept) {
         self.cut |= others.cut;
         self.made += others.made;
-        self.children.extend(others.children);
-        if self.limit.is_some_and(|limit| self.children.len() / 2 >= limit.max(SLACK)) {
+        self.nodes.extend(others.nodes);
+        self.maps.extend(others.maps);
+        self.cut_to_slack();
+    }
+
+    /// The simplest, and of equally simple ones the first, in their order, and whether any was cut.
+    pub(super) fn finish(mut self) -> (Vec<Node>, Vec<TopologicalMap>, bool) {
+        self.cut_to_limit();
+        (self.nodes, self.maps, self.cut)
+    }
+
+    fn cut_to_slack(&mut self) {
+        if self.limit.is_some_and(|limit| self.maps.len() / 2 >= limit.max(SLACK)) {
             self.cut_to_limit();
         }
     }
 
-    /// The simplest, and of equally simple ones the first, in their order, and whether any was cut.
-    pub(super) fn finish(mut self) -> (Vec<(u32, Child)>, bool) {
-        self.cut_to_limit();
-        (self.children, self.cut)
-    }
-
     /// Cutting early changes nothing: what many simpler children push out stays out when more come.
     fn cut_to_limit(&mut self) {
-        let Some(limit) = self.limit.filter(|&limit| self.children.len() > limit) else { return };
+        let Some(limit) = self.limit.filter(|&limit| self.maps.len() > limit) else { return };
         self.cut = true;
         let axioms = self.axioms;
-        let simplicity =
-            |(index, (_, child)): (usize, &(u32, Child))| (Simplicity::of(&child.map, axioms), index);
-        let mut ranked: Vec<(Simplicity, usize)> = self.children.iter().enumerate().map(simplicity).collect();
+        let simplicity = |(index, map)| (Simplicity::of(map, axioms), index);
+        let mut ranked: Vec<(Simplicity, usize)> = self.maps.iter().enumerate().map(simplicity).collect();
         ranked.sort_unstable();
-        let mut keep = vec![false; self.children.len()];
+        let mut keep = vec![false; self.maps.len()];
         ranked[..limit].iter().for_each(|&(_, index)| keep[index] = true);
-        let mut keep = keep.into_iter();
-        self.children.retain(|_| keep.next().unwrap_or(false));
+        let mut kept = keep.iter();
+        self.nodes.retain(|_| kept.next() == Some(&true));
+        let mut kept = keep.iter();
+        self.maps.retain(|_| kept.next() == Some(&true));
     }
 }
 
@@ -67,9 +76,8 @@ impl Kept {
 mod tests {
     use super::*;
     use crate::abduction::Assignment;
-    use crate::map::{PlaceId, TopologicalMap};
+    use crate::map::PlaceId;
     use crate::star::{ControlLaw, Direction, FragmentId, GatewayId, LargeScaleStar, Slot, SmallScaleStar};
-    use std::sync::Arc;
 
     /// A star of so many fragments, so that a map of it has as many paths.
     fn star(fragments: u32) -> LargeScaleStar {
@@ -88,9 +96,9 @@ mod tests {
 
     #[test]
     fn children_cut_while_they_are_made_are_those_cut_at_the_end() {
-        let maps = [3, 1, 2].map(|fragments| Arc::new(TopologicalMap::new(&star(fragments)).unwrap()));
+        let maps = [3, 1, 2].map(|fragments| TopologicalMap::new(&star(fragments)).unwrap());
         let child = |k: u32| Child {
-            map: Arc::clone(&maps[(k * k) as usize % 3]),
+            map: maps[(k * k) as usize % 3].clone(),
             assignment: Assignment { place: PlaceId::FIRST, rotation: 0 },
             made: true,
         };
@@ -105,12 +113,13 @@ mod tests {
             let mut kept = Kept::new(Some(limit), axioms);
             for k in all.clone() {
                 kept.push(k, child(k));
-                assert!(kept.children.len() <= 2 * limit.max(SLACK));
+                assert!(kept.maps.len() <= 2 * limit.max(SLACK));
             }
             assert_eq!(kept.made, 20_000);
-            let (children, cut) = kept.finish();
+            let (nodes, left, cut) = kept.finish();
             assert!(cut);
-            assert_eq!(children.iter().map(|(k, _)| *k).collect::<Vec<u32>>(), expected);
+            assert_eq!(nodes.iter().map(|node| node.parent).collect::<Vec<u32>>(), expected);
+            assert_eq!(left, expected.iter().map(|&k| child(k).map).collect::<Vec<_>>());
         }
     }
 }

@@ -4,12 +4,12 @@ use crate::abduction::best_first::BestFirst;
 use crate::abduction::candidate::{Assignment, Candidate};
 use crate::abduction::children::{Child, Extension, Seen, turned};
 use crate::abduction::kept::Kept;
-use crate::abduction::tree::{Node, Tree};
+use crate::abduction::tree::Tree;
 use crate::abduction::{
     Assertion, AxiomSet, Count, Evidence, Extinction, Refutations, Report, Settlement, Simplicity,
     StopReason, Strategy, Visit, VisitError, Word, WordError,
 };
-use crate::map::{DstateId, PlaceId, StarTable, TopologicalMap};
+use crate::map::{DstateId, Grown, PlaceId, StarTable, TopologicalMap};
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use std::ops::Range;
 use std::sync::Arc;
@@ -31,7 +31,7 @@ pub struct Abduction {
     pub(super) word: Word,
     pub(super) tree: Tree,
     /// The maps of the tree's leaves.
-    pub(super) maps: Arc<Vec<Arc<TopologicalMap>>>,
+    pub(super) maps: Arc<Vec<TopologicalMap>>,
     pub(super) maps_created: u64,
     /// By observation; of all together under the strategy that does not go by observations.
     pub(super) refuted: Vec<Refutations>,
@@ -102,7 +102,7 @@ impl Abduction {
             _ if self.strategy == Strategy::BestFirst => self.unsettle(),
             None => {
                 let child = Child {
-                    map: Arc::new(TopologicalMap::first(&star)),
+                    map: TopologicalMap::first(&star),
                     assignment: Assignment { place: PlaceId::FIRST, rotation: 0 },
                     made: true,
                 };
@@ -181,7 +181,7 @@ impl Abduction {
         let (map, leaf, last) = (self.maps.get(index)?, self.tree.leaves().get(index)?, self.visits.last()?);
         let Assignment { place, rotation } = leaf.assignment;
         let robot = DstateId { place, slot: turned(last.arrival, rotation, map.star(place).size()) };
-        Some(Candidate { map: Arc::clone(map), visits: self.tree.assignments(index), robot })
+        Some(Candidate { map: Arc::new(map.clone()), visits: self.tree.assignments(index), robot })
     }
 
     /// All candidates, in the order of their assignments.
@@ -233,7 +233,7 @@ impl Abduction {
     pub(super) fn retain(&mut self, keep: &[bool]) {
         self.tree.prune(keep);
         let kept = self.maps.iter().zip(keep).filter(|&(_, &keep)| keep);
-        self.maps = Arc::new(kept.map(|(map, _)| Arc::clone(map)).collect());
+        self.maps = Arc::new(kept.map(|(map, _)| map.clone()).collect());
     }
 
     /// Holds nothing until it is settled anew.
@@ -264,7 +264,8 @@ impl Abduction {
         let kept = Kept::new(self.limits.max_candidates, self.axioms);
         let evidence = self.evidence.as_deref();
         let refuted = Refutations::default();
-        let mut extension = Extension { seen, axioms: self.axioms(), evidence, refuted, kept };
+        let (axioms, grown) = (self.axioms(), Grown::default());
+        let mut extension = Extension { seen, axioms, evidence, refuted, kept, grown };
         for parent in parents {
             let (map, leaf) = (&self.maps[parent], self.tree.leaves()[parent]);
             extension.extend(parent as u32, map, leaf.assignment, &self.tree.leaf(parent));
@@ -275,13 +276,12 @@ impl Abduction {
     fn keep(&mut self, kept: Kept, refuted: Refutations) {
         self.maps_created += kept.made;
         let observation = self.tree.depth();
-        let (children, cut) = kept.finish();
+        let (nodes, maps, cut) = kept.finish();
         if cut {
             self.first_cut = self.first_cut.or(Some(observation));
         }
-        let node = |(parent, child): &(u32, Child)| Node { parent: *parent, assignment: child.assignment };
-        self.tree.push(children.iter().map(node).collect());
-        self.maps = Arc::new(children.into_iter().map(|(_, child)| child.map).collect());
+        self.tree.push(nodes);
+        self.maps = Arc::new(maps);
         self.refuted.push(refuted);
     }
 

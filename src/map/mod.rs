@@ -20,6 +20,7 @@ pub use canonical::CanonicalMap;
 pub use id::{DstateId, PathId, PlaceId, SegmentId};
 pub use path::{BoundSlot, DirectedPath, Paths, Stop, TopoPath};
 pub use region::{Beside, Conflict, Crossing, PathRegions, Regions};
+pub(crate) use topological::Grown;
 pub use topological::{MapError, Segment, TopologicalMap};
 
 pub(crate) use boundaries::Boundaries;

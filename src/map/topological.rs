@@ -2,6 +2,8 @@
 
 use crate::map::{DstateId, InternedStar, PlaceId, SegmentId, StarId, StarTable};
 use crate::star::{LargeScaleStar, SlotIndex};
+use std::collections::VecDeque;
+use std::iter;
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -9,16 +11,28 @@ use thiserror::Error;
 ///
 /// Law: path segments are an involution without fixed point on navigable dstates; that is the axiom
 /// `determinism`, built in. A map made by [`TopologicalMap::with_new_place`] and [`TopologicalMap::with_segment`]
-/// from one place is connected. Extending copies two small arrays, linear in places and dstates; equality
-/// compares stars and path segments.
+/// from one place is connected. Extending copies one small array, linear in dstates, and for a new place those that
+/// describe the places; a clone shares all. Equality compares stars and path segments.
 #[derive(Clone, Debug)]
 pub struct TopologicalMap {
-    stars: Arc<StarTable>,
-    places: Box<[Place]>,
-    far_ends: Box<[Option<DstateId>]>,
+    ground: Arc<Ground>,
+    far_ends: Arc<[Option<DstateId>]>,
     segments: u32,
     closed_paths: u32,
 }
+
+/// The places without the path segments: a path segment adds nothing to it, so that many maps share one.
+#[derive(Clone, Debug)]
+struct Ground {
+    stars: Arc<StarTable>,
+    places: Box<[Place]>,
+    /// For each dstate the slot of the other direction of its path, as its star has it.
+    opposite: Box<[SlotIndex]>,
+}
+
+/// The places of maps just grown, for other maps that grow alike.
+#[derive(Debug, Default)]
+pub(crate) struct Grown(VecDeque<[Arc<Ground>; 2]>);
 
 /// A path segment: one stretch of a path between two places next to each other on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -52,8 +66,14 @@ pub enum MapError {
 #[derive(Clone, Copy, Debug)]
 struct Place {
     star: StarId,
+    /// The number of its slots.
+    size: u16,
+    /// The position of its first dstate.
     first: u32,
 }
+
+/// How many a [`Grown`] remembers: candidates that grow alike are close in the order of candidates.
+const REMEMBERED: usize = 16;
 
 impl TopologicalMap {
     /// A map of one place.
@@ -70,12 +90,12 @@ impl TopologicalMap {
         gateway: SlotIndex,
     ) -> Result<Self, MapError> {
         self.joinable(from)?;
-        let star = self.stars.intern(star).ok_or(MapError::Full)?;
+        let star = self.ground.stars.intern(star).ok_or(MapError::Full)?;
         let to = DstateId { place: self.next_place().ok_or(MapError::Full)?, slot: gateway };
         match star.star().slots().get(gateway.0 as usize) {
             None => Err(MapError::UnknownDstate(to)),
             Some(slot) if !slot.navigable => Err(MapError::NotNavigable(to)),
-            Some(_) => Ok(self.grown(from, &star, to)),
+            Some(_) => Ok(self.grown(from, &star, to, &mut Grown::default())),
         }
     }
 
@@ -96,25 +116,28 @@ impl TopologicalMap {
 
     /// The dstate of the other direction of the same path at the same place.
     pub fn opposite(&self, dstate: DstateId) -> DstateId {
-        let slot = self.star(dstate.place).slots()[dstate.slot.0 as usize].opposite;
-        DstateId { slot, ..dstate }
+        DstateId { slot: self.ground.opposite[self.index(dstate)], ..dstate }
     }
 
     /// The dstate one slot further clockwise at the same place.
     pub fn clockwise(&self, dstate: DstateId) -> DstateId {
         let next = dstate.slot.0 + 1;
-        let slot = SlotIndex(if next as usize == self.star(dstate.place).size() { 0 } else { next });
+        let slot = SlotIndex(if u16::from(next) == self.ground.places[dstate.place.index()].size {
+            0
+        } else {
+            next
+        });
         DstateId { slot, ..dstate }
     }
 
     /// The star of a place, as it was at the first visit.
     pub fn star(&self, place: PlaceId) -> &LargeScaleStar {
-        self.stars.star(self.star_id(place))
+        self.ground.stars.star(self.star_id(place))
     }
 
     /// All places, by number.
     pub fn places(&self) -> impl Iterator<Item = PlaceId> + use<> {
-        (0..self.places.len()).filter_map(PlaceId::new)
+        (0..self.place_count()).filter_map(PlaceId::new)
     }
 
     /// The dstates of a place, clockwise.
@@ -136,7 +159,7 @@ impl TopologicalMap {
 
     /// The number of places.
     pub fn place_count(&self) -> usize {
-        self.places.len()
+        self.ground.places.len()
     }
 
     /// The number of path segments.
@@ -156,10 +179,10 @@ impl TopologicalMap {
 
     /// The map of one place, its star interned.
     pub(crate) fn first(star: &InternedStar) -> Self {
+        let none = Ground { stars: Arc::default(), places: Box::default(), opposite: Box::default() };
         TopologicalMap {
-            stars: Arc::clone(&star.table),
-            places: Box::new([Place { star: star.id, first: 0 }]),
-            far_ends: vec![None; star.star().size()].into(),
+            ground: Arc::new(none.with(star)),
+            far_ends: iter::repeat_n(None, star.star().size()).collect(),
             segments: 0,
             closed_paths: 0,
         }
@@ -167,24 +190,21 @@ impl TopologicalMap {
 
     /// The number the next place gets, unless the map is full.
     pub(crate) fn next_place(&self) -> Option<PlaceId> {
-        PlaceId::new(self.places.len())
+        PlaceId::new(self.place_count())
     }
 
     /// This map with place `to.place`, its next one, behind `from`. The star's table extends the map's.
-    pub(crate) fn grown(&self, from: DstateId, star: &InternedStar, to: DstateId) -> Self {
-        let first = self.far_ends.len();
-        let mut places = Vec::with_capacity(self.places.len() + 1);
-        places.extend_from_slice(&self.places);
-        places.push(Place { star: star.id, first: first as u32 });
-        let mut far_ends = Vec::with_capacity(first + star.star().size());
-        far_ends.extend_from_slice(&self.far_ends);
-        far_ends.resize(first + star.star().size(), None);
-        far_ends[self.index(from)] = Some(to);
-        far_ends[first + to.slot.0 as usize] = Some(from);
+    /// The same memory serves maps that grow by one star alone.
+    pub(crate) fn grown(&self, from: DstateId, star: &InternedStar, to: DstateId, known: &mut Grown) -> Self {
+        let first = self.dstate_count();
+        let new = iter::repeat_n(None, star.star().size());
+        let mut far_ends: Arc<[_]> = self.far_ends.iter().copied().chain(new).collect();
+        let cells = Arc::make_mut(&mut far_ends);
+        cells[self.index(from)] = Some(to);
+        cells[first + to.slot.0 as usize] = Some(from);
         TopologicalMap {
-            stars: Arc::clone(&star.table),
-            places: places.into(),
-            far_ends: far_ends.into(),
+            ground: known.with(&self.ground, star),
+            far_ends,
             segments: self.segments + 1,
             closed_paths: self.closed_paths,
         }
@@ -192,22 +212,26 @@ impl TopologicalMap {
 
     /// This map with a path segment between two different dstates, both navigable and without far end.
     pub(crate) fn joined(&self, from: DstateId, to: DstateId) -> Self {
-        let mut map = self.clone();
-        map.far_ends[self.index(from)] = Some(to);
-        map.far_ends[self.index(to)] = Some(from);
-        map.segments += 1;
-        map.closed_paths += u32::from(self.other_end(from) == to);
-        map
+        let mut far_ends = Arc::clone(&self.far_ends);
+        let cells = Arc::make_mut(&mut far_ends);
+        cells[self.index(from)] = Some(to);
+        cells[self.index(to)] = Some(from);
+        TopologicalMap {
+            ground: Arc::clone(&self.ground),
+            far_ends,
+            segments: self.segments + 1,
+            closed_paths: self.closed_paths + u32::from(self.other_end(from) == to),
+        }
     }
 
     /// Which star of the table a place has.
     pub(crate) fn star_id(&self, place: PlaceId) -> StarId {
-        self.places[place.index()].star
+        self.ground.places[place.index()].star
     }
 
     /// The position of a dstate among all dstates.
     pub(crate) fn index(&self, dstate: DstateId) -> usize {
-        self.places[dstate.place.index()].first as usize + dstate.slot.0 as usize
+        self.ground.places[dstate.place.index()].first as usize + dstate.slot.0 as usize
     }
 
     /// The other end of the path that ends at `end`, a dstate without far end.
@@ -220,8 +244,8 @@ impl TopologicalMap {
     }
 
     fn joinable(&self, dstate: DstateId) -> Result<(), MapError> {
-        let place = self.places.get(dstate.place.index()).ok_or(MapError::UnknownDstate(dstate))?;
-        let slots = self.stars.star(place.star).slots();
+        let place = self.ground.places.get(dstate.place.index()).ok_or(MapError::UnknownDstate(dstate))?;
+        let slots = self.ground.stars.star(place.star).slots();
         let slot = slots.get(dstate.slot.0 as usize).ok_or(MapError::UnknownDstate(dstate))?;
         if !slot.navigable {
             return Err(MapError::NotNavigable(dstate));
@@ -233,11 +257,36 @@ impl TopologicalMap {
     }
 }
 
+impl Ground {
+    /// These places and one more. The star's table extends that of the places.
+    fn with(&self, star: &InternedStar) -> Ground {
+        let slots = star.star().slots();
+        let place = Place { star: star.id, size: slots.len() as u16, first: self.opposite.len() as u32 };
+        Ground {
+            stars: Arc::clone(&star.table),
+            places: self.places.iter().copied().chain([place]).collect(),
+            opposite: self.opposite.iter().copied().chain(slots.iter().map(|slot| slot.opposite)).collect(),
+        }
+    }
+}
+
+impl Grown {
+    fn with(&mut self, ground: &Arc<Ground>, star: &InternedStar) -> Arc<Ground> {
+        if let Some([_, grown]) = self.0.iter().find(|[known, _]| Arc::ptr_eq(known, ground)) {
+            return Arc::clone(grown);
+        }
+        let grown = Arc::new(ground.with(star));
+        self.0.truncate(REMEMBERED - 1);
+        self.0.push_front([Arc::clone(ground), Arc::clone(&grown)]);
+        grown
+    }
+}
+
 impl PartialEq for TopologicalMap {
     fn eq(&self, other: &Self) -> bool {
         let same_star = |place| self.star(place) == other.star(place);
         self.far_ends == other.far_ends
-            && self.places.len() == other.places.len()
+            && self.place_count() == other.place_count()
             && self.places().all(same_star)
     }
 }
