@@ -1,9 +1,8 @@
 //! How simple the maps below a quotient can be at best.
 
-use super::quotient::{Quotient, turned};
+use super::quotient::{Quotient, members, turned};
 use super::walk::Walk;
 use crate::abduction::Simplicity;
-use std::cmp::Reverse;
 
 /// A lower bound of the simplicity of every map that a quotient can still become.
 ///
@@ -11,13 +10,16 @@ use std::cmp::Reverse;
 /// settled ones among them, are all there at the end, and with them their slots at which a path ends for good: those
 /// without a gateway, and those whose gateway no class can any more be travelled by. A path has two ends, so there are
 /// at least half as many paths. The clique is found greedily, most ends first. Quadratic in the classes.
-pub(super) fn bound(walk: &Walk, quotient: &Quotient, classes: &[usize]) -> Simplicity {
-    let (mut clique, mut open): (Vec<usize>, Vec<usize>) =
-        classes.iter().partition(|&&class| quotient.is_settled(class));
-    open.sort_by_key(|&class| Reverse(walk.blocked(class)));
-    for class in open {
-        if clique.iter().all(|&other| quotient.alike(class, other) == 0) {
-            clique.push(class);
+pub(super) fn bound(walk: &Walk, quotient: &Quotient, classes: &[usize], open: &[usize]) -> Simplicity {
+    let mut clique: Vec<usize> = Vec::with_capacity(classes.len());
+    clique.extend(classes.iter().filter(|&&class| quotient.is_settled(class)));
+    let most = open.iter().map(|&class| walk.blocked(class)).max().unwrap_or(0);
+    // Stars have few slots, so that it is quicker to go through the numbers of ends than to sort by them.
+    for blocked in (0..=most).rev() {
+        for &class in open.iter().filter(|&&class| walk.blocked(class) == blocked) {
+            if clique.iter().all(|&other| quotient.alike(class, other) == 0) {
+                clique.push(class);
+            }
         }
     }
     let ends: usize = clique.iter().map(|&class| ends(walk, quotient, classes, class)).sum();
@@ -35,10 +37,12 @@ fn ends(walk: &Walk, quotient: &Quotient, classes: &[usize], class: usize) -> us
         if unfilled == 0 {
             break;
         }
-        let mut rotations = if other == class { 0 } else { quotient.alike(other, class) };
-        while rotations != 0 {
-            unfilled &= !turned(quotient.filled(other), rotations.trailing_zeros() as usize, size);
-            rotations &= rotations - 1;
+        if other == class {
+            continue;
+        }
+        // What lies on the other class by a rotation has it lie there by the rotation back.
+        for rotation in members(quotient.alike(class, other)) {
+            unfilled &= !turned(quotient.filled(other), size - rotation, size);
         }
     }
     walk.blocked(class) + unfilled.count_ones() as usize

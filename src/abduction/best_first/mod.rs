@@ -24,8 +24,7 @@ use crate::abduction::{
 use crate::map::PlaceId;
 use bound::bound;
 use faces::planar;
-use quotient::{Mark, Quotient};
-use std::cmp::Reverse;
+use quotient::{Mark, Quotient, members};
 use std::sync::Arc;
 use walk::Walk;
 
@@ -40,6 +39,7 @@ pub(super) struct BestFirst {
     walk: Arc<Walk>,
     quotient: Quotient,
     agenda: Vec<Decision>,
+    spare: Spare,
     found: Minimal,
     effort: Effort,
     /// Whether the walk is decided in its order, as some axioms are judged on its beginning.
@@ -85,16 +85,27 @@ pub(super) struct Budget<'a> {
     pub(super) interrupted: &'a dyn Fn() -> bool,
 }
 
-/// What one class is to be: each way that is left, the last first.
+/// What one class is to be.
 #[derive(Clone, Debug)]
 struct Decision {
     class: usize,
-    ways: Vec<Way>,
-    classes: Vec<usize>,
-    settled: Vec<usize>,
+    lists: Lists,
     mark: Mark,
     bound: Simplicity,
 }
+
+/// The classes of a quotient, and of one of them each way that is left, with the classes it leaves, the last first.
+#[derive(Clone, Debug, Default)]
+struct Lists {
+    classes: Vec<usize>,
+    settled: Vec<usize>,
+    open: Vec<usize>,
+    ways: Vec<(usize, Way)>,
+}
+
+/// Lists no longer used, whose memory is.
+#[derive(Clone, Debug, Default)]
+struct Spare(Vec<Lists>);
 
 #[derive(Clone, Copy, Debug)]
 enum Way {
@@ -115,6 +126,7 @@ impl BestFirst {
             walk: Arc::new(walk),
             quotient,
             agenda: Vec::new(),
+            spare: Spare::default(),
             found: Minimal::default(),
             effort: Effort::default(),
             in_order,
@@ -132,11 +144,11 @@ impl BestFirst {
                 return;
             }
             self.quotient.undo(decision.mark);
-            self.quotient.list(&decision.classes);
+            self.quotient.list(&decision.lists.classes);
             let hopeless = self.found.simplicity.is_some_and(|least| decision.bound > least);
-            match decision.ways.pop().filter(|_| !hopeless) {
-                None => drop(self.agenda.pop()),
-                Some(way) => {
+            match decision.lists.ways.pop().filter(|_| !hopeless) {
+                None => self.agenda.pop().into_iter().for_each(|decision| self.spare.give(decision)),
+                Some((_, way)) => {
                     self.take(way);
                     self.look();
                     self.found.cut_to(budget.candidates);
@@ -158,12 +170,12 @@ impl BestFirst {
     /// Whether no simpler candidate is left to be found, nor another as simple.
     pub(super) fn is_done(&self) -> bool {
         let open = |decision: &Decision| self.found.simplicity.is_none_or(|least| decision.bound <= least);
-        !self.agenda.iter().any(|decision| !decision.ways.is_empty() && open(decision))
+        !self.agenda.iter().any(|decision| !decision.lists.ways.is_empty() && open(decision))
     }
 
     /// How simple the simplest map is at best: of all that is found or left open, the least bound.
     pub(super) fn bound(&self) -> Option<Simplicity> {
-        let open = self.agenda.iter().filter(|decision| !decision.ways.is_empty());
+        let open = self.agenda.iter().filter(|decision| !decision.lists.ways.is_empty());
         open.map(|decision| decision.bound).chain(self.found.simplicity).min()
     }
 
@@ -202,16 +214,19 @@ impl BestFirst {
         }
     }
 
-    fn rotations(&self, class: usize, onto: usize) -> Vec<usize> {
-        let open = self.quotient.alike(class, onto);
-        let may = |&rotation: &usize| !self.walk.tracked(class) || open & 1 << rotation != 0;
-        self.walk.matches(class, onto).iter().map(|&rotation| rotation as usize).filter(may).collect()
+    /// The rotations by which a class might lie on another, ascending.
+    fn rotations(&self, class: usize, onto: usize) -> impl Iterator<Item = usize> + use<> {
+        let (kept, listed) = match self.walk.tracked(class) {
+            true => (self.quotient.alike(class, onto), Vec::new()),
+            false => (0, self.walk.matches(class, onto).to_vec()),
+        };
+        members(kept).chain(listed.into_iter().map(usize::from))
     }
 
     fn take(&mut self, way: Way) {
         let Some(decision) = self.agenda.last() else { return };
         match way {
-            Way::New => self.quotient.settle(decision.class, &decision.settled),
+            Way::New => self.quotient.settle(decision.class, &decision.lists.settled),
             Way::Merged { onto, rotation } => {
                 let axioms = self.experience.axioms;
                 // It was probed in this very state, so that it merges again.
@@ -223,28 +238,37 @@ impl BestFirst {
     /// Judges the quotient, and puts the next decision on the agenda or, where there is none, keeps the candidate.
     fn look(&mut self) {
         self.effort.steps += 1;
-        let classes: Vec<usize> = self.quotient.classes(&self.walk).collect();
-        self.quotient.list(&classes);
-        let (settled, open): (Vec<usize>, Vec<usize>) =
-            classes.iter().partition(|&&class| self.quotient.is_settled(class));
+        let mut lists = self.spare.take();
+        lists.fill(&self.walk, &self.quotient);
+        self.quotient.list(&lists.classes);
+        let decided = self.judge(&lists).and_then(|bound| match self.next(&lists.settled, &lists.open) {
+            Some(class) => Some((class, bound)),
+            None => {
+                self.keep();
+                None
+            }
+        });
+        match decided {
+            Some((class, bound)) => self.decide(class, lists, bound),
+            None => self.spare.0.push(lists),
+        }
+    }
+
+    /// How simple the maps below the quotient can be at best; none if it is refuted or no simplest map is below it.
+    fn judge(&mut self, lists: &Lists) -> Option<Simplicity> {
         let axioms = self.experience.axioms;
-        if axioms.contains(AxiomId::Planarity) && !planar(&self.walk, &self.quotient, &settled) {
-            return self.effort.refuted.count(AxiomId::Planarity);
+        if axioms.contains(AxiomId::Planarity) && !planar(&self.walk, &self.quotient, &lists.settled) {
+            self.effort.refuted.count(AxiomId::Planarity);
+            return None;
         }
         if self.in_order && !self.begins_well() {
-            return;
+            return None;
         }
         self.effort.made += 1;
-        let least = bound(&self.walk, &self.quotient, &classes);
+        let least = bound(&self.walk, &self.quotient, &lists.classes, &lists.open);
         let abnormalities = (axioms.boundary() == Some(Boundary::Soft)).then_some(0);
         let bound = Simplicity { abnormalities, ..least };
-        if self.found.simplicity.is_some_and(|found| bound > found) {
-            return;
-        }
-        match self.next(&settled, &open) {
-            Some(class) => self.decide(class, classes, settled, bound),
-            None => self.keep(),
-        }
+        self.found.simplicity.is_none_or(|found| bound <= found).then_some(bound)
     }
 
     /// The class to decide: that with the fewest ways, of these the one of most visits; or the next on the walk.
@@ -253,26 +277,31 @@ impl BestFirst {
             let classes = (0..self.walk.len()).map(|visit| self.quotient.class(visit).0);
             return classes.into_iter().find(|&class| !self.quotient.is_settled(class));
         }
-        let ways = |class: usize| {
-            let each = settled.iter().map(|&onto| self.quotient.alike(class, onto).count_ones());
-            (each.sum::<u32>(), Reverse(self.quotient.visits(class).count()), class)
+        let ways = |class: usize| -> u32 {
+            settled.iter().map(|&onto| self.quotient.alike(class, onto).count_ones()).sum()
         };
-        open.iter().map(|&class| ways(class)).min().map(|(_, _, class)| class)
+        let visits = |class: usize| self.quotient.visits(class).count();
+        let fewest = open.iter().map(|&class| (ways(class), class)).reduce(|best, next| {
+            let better = next.0 < best.0 || next.0 == best.0 && visits(next.1) > visits(best.1);
+            if better { next } else { best }
+        });
+        fewest.map(|(_, class)| class)
     }
 
     /// Puts the ways that are left for a class on the agenda: those that fold most are taken first, a new place last.
-    fn decide(&mut self, class: usize, classes: Vec<usize>, settled: Vec<usize>, bound: Simplicity) {
-        let mut folded = Vec::new();
-        for &onto in &settled {
+    fn decide(&mut self, class: usize, mut lists: Lists, bound: Simplicity) {
+        lists.ways.clear();
+        for &onto in &lists.settled {
             for rotation in self.rotations(class, onto) {
-                let left = self.probe(&settled, class, onto, rotation);
-                folded.extend(left.map(|left| (left, folded.len(), Way::Merged { onto, rotation })));
+                let left = self.probe(&lists.settled, class, onto, rotation);
+                lists.ways.extend(left.map(|left| (left, Way::Merged { onto, rotation })));
             }
         }
-        folded.sort_by_key(|&(left, rank, _)| (left, rank));
-        let ways = std::iter::once(Way::New).chain(folded.into_iter().rev().map(|(_, _, way)| way)).collect();
-        let mark = self.quotient.mark();
-        self.agenda.push(Decision { class, ways, classes, settled, mark, bound });
+        lists.ways.sort_by_key(|&(left, _)| left);
+        // A place of its own folds nothing.
+        lists.ways.push((usize::MAX, Way::New));
+        lists.ways.reverse();
+        self.agenda.push(Decision { class, lists, mark: self.quotient.mark(), bound });
     }
 
     /// Whether all axioms and the operator's word allow the decided beginning of the walk.
@@ -317,6 +346,27 @@ impl BestFirst {
         };
         let decided = |&visit: &usize| self.quotient.is_settled(self.quotient.class(visit).0);
         (0..self.walk.len()).take_while(decided).filter_map(assign).collect()
+    }
+}
+
+impl Lists {
+    fn fill(&mut self, walk: &Walk, quotient: &Quotient) {
+        let Lists { classes, settled, open, ways: _ } = self;
+        [&mut *classes, &mut *settled, &mut *open].into_iter().for_each(Vec::clear);
+        for class in quotient.classes(walk) {
+            classes.push(class);
+            if quotient.is_settled(class) { &mut *settled } else { &mut *open }.push(class);
+        }
+    }
+}
+
+impl Spare {
+    fn take(&mut self) -> Lists {
+        self.0.pop().unwrap_or_default()
+    }
+
+    fn give(&mut self, decision: Decision) {
+        self.0.push(decision.lists);
     }
 }
 

@@ -115,7 +115,7 @@ impl Quotient {
     /// Notes that a class cannot lie on another under a rotation.
     pub(super) fn refute(&mut self, walk: &Walk, class: usize, onto: usize, rotation: usize) {
         if walk.tracked(class) {
-            let back = (walk.size(class) - rotation) % walk.size(class);
+            let back = wrapped(walk.size(class) - rotation, walk.size(class));
             self.set_alike(class, onto, self.alike(class, onto) & !(1 << rotation));
             self.set_alike(onto, class, self.alike(onto, class) & !(1 << back));
         }
@@ -202,7 +202,7 @@ impl Quotient {
     fn travel(&mut self, walk: &Walk, visit: usize, axioms: AxiomSet) -> Result<(), AxiomId> {
         let (departure, gateway) = walk.travel(visit);
         let (from, turn) = self.class(visit - 1);
-        let from = walk.dstate(from, (departure + turn) % walk.size(from));
+        let from = walk.dstate(from, wrapped(departure + turn, walk.size(from)));
         let to = walk.dstate(visit, gateway);
         self.set_far(walk, to, from as u32);
         match self.far.get(from) {
@@ -216,7 +216,7 @@ impl Quotient {
                 if walk.size(onto) != size {
                     return Err(AxiomId::StarMatch);
                 }
-                self.merge(walk, visit, onto, (slot + size - gateway) % size, axioms)
+                self.merge(walk, visit, onto, wrapped(slot + size - gateway, size), axioms)
             }
         }
     }
@@ -228,7 +228,7 @@ impl Quotient {
         if walk.size(b) != size {
             return Err(AxiomId::StarMatch);
         }
-        let rotation = (rotation + turn_b + size - turn_a) % size;
+        let rotation = wrapped(wrapped(rotation + turn_b, size) + size - turn_a, size);
         if a == b {
             return if rotation == 0 { Ok(()) } else { Err(AxiomId::Determinism) };
         }
@@ -236,7 +236,8 @@ impl Quotient {
             return Err(AxiomId::Determinism);
         }
         let absorbed = !self.settled.get(a) && (self.settled.get(b) || b < a);
-        let (from, to, rotation) = if absorbed { (a, b, rotation) } else { (b, a, (size - rotation) % size) };
+        let (from, to, rotation) =
+            if absorbed { (a, b, rotation) } else { (b, a, wrapped(size - rotation, size)) };
         if !walk.matches(from, to).contains(&(rotation as u8)) {
             return Err(AxiomId::StarMatch);
         }
@@ -249,7 +250,7 @@ impl Quotient {
             if far == NONE {
                 continue;
             }
-            let own = walk.dstate(to, (slot + rotation) % size);
+            let own = walk.dstate(to, wrapped(slot + rotation, size));
             match self.far.get(own) {
                 NONE => self.set_far(walk, own, far),
                 known => self.follow(walk, far, known)?,
@@ -266,7 +267,7 @@ impl Quotient {
             return Err(AxiomId::StarMatch);
         }
         if visit != onto || slot != known {
-            self.merges.push(Merge { visit, onto, rotation: (known + size - slot) % size });
+            self.merges.push(Merge { visit, onto, rotation: wrapped(known + size - slot, size) });
         }
         Ok(())
     }
@@ -302,7 +303,7 @@ impl Quotient {
         let mut visit = from;
         loop {
             self.name.set(visit, to as u16);
-            self.turn.set(visit, ((self.turn.get(visit) as usize + rotation) % size) as u8);
+            self.turn.set(visit, wrapped(self.turn.get(visit) as usize + rotation, size) as u8);
             visit = self.next.get(visit) as usize;
             if visit == from {
                 break;
@@ -361,7 +362,7 @@ impl Quotient {
     fn resolve(&self, walk: &Walk, dstate: u32) -> (usize, usize) {
         let (visit, slot) = walk.place_of(dstate as usize);
         let (class, turn) = self.class(visit);
-        (class, (slot + turn) % walk.size(class))
+        (class, wrapped(slot + turn, walk.size(class)))
     }
 
     fn set_far(&mut self, walk: &Walk, dstate: usize, far: u32) {
@@ -388,21 +389,28 @@ fn matching(walk: &Walk, visit: usize, onto: usize) -> Rotations {
     }
 }
 
-/// Every rotation of a set further on by some slots of `size`, at most 64.
+/// A slot or rotation below twice `size`, modulo `size`.
+fn wrapped(slot: usize, size: usize) -> usize {
+    if slot < size { slot } else { slot - size }
+}
+
+/// Every rotation of a set further on by some slots of `size`, at most 64, and by no more than `size`.
 pub(super) fn turned(set: Rotations, by: usize, size: usize) -> Rotations {
-    let by = by % size;
+    let by = wrapped(by, size);
     let all = Rotations::MAX >> (Rotations::BITS as usize - size);
     if by == 0 { set } else { (set << by | set >> (size - by)) & all }
 }
 
 /// Every rotation of a set the other way round.
 fn reversed(set: Rotations, size: usize) -> Rotations {
-    let mut left = set;
-    let mut reversed = 0;
-    while left != 0 {
-        let rotation = left.trailing_zeros() as usize;
-        reversed |= 1 << ((size - rotation) % size);
-        left &= left - 1;
-    }
-    reversed
+    members(set).fold(0, |reversed, rotation| reversed | 1 << wrapped(size - rotation, size))
+}
+
+/// The rotations of a set, ascending.
+pub(super) fn members(mut set: Rotations) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let first = (set != 0).then(|| set.trailing_zeros() as usize)?;
+        set &= set - 1;
+        Some(first)
+    })
 }
