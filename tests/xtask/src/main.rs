@@ -52,6 +52,9 @@ const HELP: &str = "\
 usage: cargo xtask <task>
 
   test     format check, lints, all tests, documentation, golden files up to date
+  compare [SECONDS]
+           the search beside clingo on the recorded grids: whether the answers are the same, then how long each takes;
+           clingo is cut off after so many seconds a question, 60 unless told otherwise
   evaluate [WALKS [SEED]]
            random walks with odometry that drifts: how often an axiom refutes the true map, how many candidates are
            left, and how often the true map is preferred
@@ -68,6 +71,7 @@ fn main() -> ExitCode {
             environment: &[("UPDATE_GOLDEN", "1")],
             component: None,
         }]),
+        ["compare", ref rest @ ..] => compare(rest),
         ["evaluate", ref rest @ ..] => evaluate(rest),
         ["help" | "--help" | "-h"] => {
             println!("{HELP}");
@@ -80,9 +84,24 @@ fn main() -> ExitCode {
     }
 }
 
+fn compare(rest: &[&str]) -> ExitCode {
+    match oracles::set_up(&root()) {
+        Ok(python) => bench("rival", rest, &[(oracles::PYTHON, python)]),
+        Err(why) => {
+            eprintln!("failed: no rival to compare with: {why}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
 fn evaluate(rest: &[&str]) -> ExitCode {
-    let status = cargo().args(["bench", "--locked", "--bench", "evaluation", "--"]).args(rest).status();
-    match status {
+    bench("evaluation", rest, &[])
+}
+
+fn bench(target: &str, rest: &[&str], environment: &[(&str, PathBuf)]) -> ExitCode {
+    let mut command = cargo();
+    command.args(["bench", "--locked", "--bench", target, "--"]).args(rest);
+    match command.envs(environment.iter().map(|(name, value)| (name, value))).status() {
         Ok(status) if status.success() => ExitCode::SUCCESS,
         Ok(_) => ExitCode::FAILURE,
         Err(error) => {

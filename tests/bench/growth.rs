@@ -1,0 +1,83 @@
+//! What one more observation costs as the walk grows: `cargo bench --bench growth`.
+//!
+//! Exhaustively, on the recorded grids, the time of each observation and that of each map it creates; on the large grid
+//! under a limit, since nothing holds all its candidates. Best-first, the steps and the time from one more observation to
+//! the next proven minimum. Times are the least of a few repetitions by one thread; counts do not depend on the machine.
+
+#![allow(clippy::unwrap_used, clippy::panic, missing_docs, reason = "a benchmark may fail")]
+
+#[path = "../../axioms/traces.rs"]
+mod traces;
+
+use rayon::ThreadPoolBuilder;
+use std::time::Instant;
+use topostar::abduction::{Abduction, AxiomSet, Limits, Profile, Visit};
+
+const REPETITIONS: usize = 3;
+/// Of the candidates of the large grid.
+const LIMIT: usize = 20_000;
+
+fn main() {
+    let pool = ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let paper = AxiomSet::of(Profile::Paper);
+    let limited = Limits { max_candidates: Some(LIMIT), ..Limits::default() };
+    let runs = [
+        ("exhaustive", "grid4x4-28", Abduction::new(paper, Limits::default())),
+        ("at most 20,000 candidates", "grid6x6-64", Abduction::new(paper, limited)),
+        ("best-first", "grid4x4-28", Abduction::best_first(paper, Limits::default())),
+        ("best-first", "grid6x6-64", Abduction::best_first(paper, Limits::default())),
+    ];
+    for (how, trace, start) in runs {
+        println!("\n{trace}, paper, {how}");
+        pool.install(|| grow(&start, &traces::visits(trace)));
+    }
+}
+
+fn grow(start: &Abduction, visits: &[Visit]) {
+    let mut grown: Vec<Event> = walk(start, visits);
+    for _ in 1..REPETITIONS {
+        let again = walk(start, visits);
+        grown
+            .iter_mut()
+            .zip(again)
+            .for_each(|(event, again)| event.seconds = event.seconds.min(again.seconds));
+    }
+    let unit = if grown.iter().any(|event| event.settled) { "steps" } else { "created" };
+    println!(
+        "{:>11} {:>10} {:>10} {:>12} {:>12}",
+        "observation", "candidates", unit, "seconds", "ns for each"
+    );
+    for (observation, event) in grown.iter().enumerate() {
+        let each = event.seconds * 1e9 / event.done.max(1) as f64;
+        println!(
+            "{observation:>11} {:>10} {:>10} {:>12.6} {each:>12.0}",
+            event.candidates, event.done, event.seconds
+        );
+    }
+}
+
+/// What one observation took.
+struct Event {
+    candidates: usize,
+    /// Maps created, or steps until all is settled.
+    done: u64,
+    settled: bool,
+    seconds: f64,
+}
+
+fn walk(start: &Abduction, visits: &[Visit]) -> Vec<Event> {
+    let mut abduction = start.clone();
+    let mut created = 0;
+    let extend = |visit| {
+        let begun = Instant::now();
+        abduction.observe(visit).unwrap();
+        abduction.settle(&|| false);
+        let seconds = begun.elapsed().as_secs_f64();
+        let settlement = abduction.settlement();
+        let now = abduction.report().maps_created.value;
+        let done = settlement.map_or(now - created, |settlement| settlement.steps);
+        created = now;
+        Event { candidates: abduction.len(), done, settled: settlement.is_some(), seconds }
+    };
+    visits.iter().map(extend).collect()
+}
