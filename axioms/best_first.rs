@@ -6,7 +6,7 @@ use crate::traces::visits;
 use proptest::prelude::*;
 use topostar::abduction::{
     Abduction, Assertion, AxiomSet, Boundary, Limits, Profile, Relation, Report, Simplicity, StopReason,
-    Visit,
+    Visit, VisitError,
 };
 
 fn unsettled(seen: &[Visit], axioms: AxiomSet, limits: Limits) -> Abduction {
@@ -166,6 +166,23 @@ fn before_it_is_settled_it_holds_nothing() {
     assert_eq!(abduction.report().stop_reason, StopReason::Interrupted);
     abduction.settle(&|| true);
     assert!(!abduction.report().proven);
+    // It was interrupted before it looked at anything.
+    let settlement = abduction.settlement().unwrap();
+    assert_eq!((settlement.steps, settlement.proven, settlement.bound), (0, false, None));
+    assert_eq!(abduction.report().stop_reason, StopReason::Interrupted);
     abduction.settle(&|| false);
     assert!(abduction.report().proven);
+}
+
+#[test]
+fn more_observations_than_it_takes_are_refused() {
+    let there = visits("ring-10-30").swap_remove(1);
+    // It goes back by the gateway it came in by, over and over.
+    let back = there.star.slots()[there.arrival.0 as usize].opposite;
+    let again = Visit { departure: Some(back), ..there.clone() };
+    let mut abduction = Abduction::best_first(AxiomSet::of(Profile::Paper), Limits::default());
+    abduction.observe(&Visit { departure: None, ..there }).unwrap();
+    (1..Abduction::MOST_SETTLED).for_each(|_| abduction.observe(&again).unwrap());
+    assert_eq!(abduction.observe(&again), Err(VisitError::TooManyToSettle));
+    assert_eq!(abduction.observations(), Abduction::MOST_SETTLED);
 }

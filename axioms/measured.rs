@@ -453,6 +453,27 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 96, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// The search for the simplest maps alone prefers, among what was measured too, what the exhaustive one prefers.
+    #[test]
+    fn best_first_finds_the_simplest_of_what_was_measured(seen in walks()) {
+        let axioms = AxiomSet::of(Profile::Default);
+        let mut found = Abduction::best_first(axioms, Limits::default());
+        let mut measured = Measurements::default();
+        for sighting in &seen {
+            measured = measured.with(sighting);
+            found.observe_measured(&Visit::from(sighting), measured.evidence()).unwrap();
+        }
+        found.settle(&|| false);
+        let (found, all) = (found.report(), explain(&seen, axioms).report());
+        prop_assert!(found.proven);
+        prop_assert_eq!(found.minimal, all.minimal);
+        prop_assert_eq!(found.simplicity, all.simplicity);
+    }
+}
+
 pub(crate) fn recorded(name: &str) -> Vec<Sighting> {
     let path = format!("{}/worlds/{name}.ndjson", env!("CARGO_MANIFEST_DIR"));
     let (events, fault) = topostar::trace::read_trace(std::fs::read(path).unwrap().as_slice());

@@ -95,6 +95,9 @@ impl Abduction {
         if self.visits.len() == PlaceId::LIMIT {
             return Err(VisitError::TooMany);
         }
+        if self.strategy == Strategy::BestFirst && self.visits.len() == Abduction::MOST_SETTLED {
+            return Err(VisitError::TooManyToSettle);
+        }
         let star = self.stars.intern(&visit.star).ok_or(VisitError::TooMany)?;
         self.stars = Arc::clone(&star.table);
         self.evidence = evidence;

@@ -24,14 +24,18 @@ pub struct Settlement {
     pub steps: u64,
     /// Whether no candidate is simpler than those found, and none as simple is missing.
     pub proven: bool,
-    /// No candidate is simpler than this, found or not.
+    /// No candidate is simpler than this, found or not; none as long as nothing is known.
     pub bound: Option<Simplicity>,
 }
 
 impl Abduction {
+    /// The most observations of a search for the simplest candidates alone. It keeps eight bytes for each two of them,
+    /// 32 MiB in all, and asks of each two whether they might be one place.
+    pub const MOST_SETTLED: usize = 2_048;
+
     /// An abduction that has seen nothing, and will look for the simplest candidates alone. Of candidates that are
     /// equally simple it keeps as many as the limits allow; memory is that of these, and quadratic in the
-    /// observations.
+    /// observations, which are therefore at most [`Abduction::MOST_SETTLED`].
     pub fn best_first(axioms: AxiomSet, limits: Limits) -> Abduction {
         let mut abduction = Abduction::new(axioms, limits);
         abduction.strategy = Strategy::BestFirst;

@@ -1,5 +1,6 @@
 //! What one observation tells.
 
+use crate::abduction::Abduction;
 use crate::map::PlaceId;
 use crate::star::{LargeScaleStar, SlotIndex};
 use thiserror::Error;
@@ -50,6 +51,12 @@ pub enum VisitError {
     /// More observations than places can be numbered.
     #[error("more than {limit} observations", limit = PlaceId::LIMIT)]
     TooMany,
+    /// More observations than a search for the simplest candidates alone takes.
+    #[error(
+        "more than {limit} observations, the most of the strategy best-first; the strategy breadth-first takes more",
+        limit = Abduction::MOST_SETTLED
+    )]
+    TooManyToSettle,
 }
 
 impl Visit {

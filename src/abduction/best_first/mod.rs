@@ -44,6 +44,8 @@ pub(super) struct BestFirst {
     effort: Effort,
     /// Whether the walk is decided in its order, as some axioms are judged on its beginning.
     in_order: bool,
+    /// The classes of the walk, in its order, of which it was asked whether they can lie on those before them.
+    told_apart: usize,
 }
 
 /// What is to be explained, and under which laws.
@@ -114,14 +116,14 @@ enum Way {
 }
 
 impl BestFirst {
-    /// A search that has not begun, or the axiom that the walk breaks however it is explained. Quadratic in the
-    /// visits times folding, as it asks of every two visits whether they might be one place.
+    /// A search that has not begun, or the axiom that the walk breaks however it is explained. Memory is quadratic
+    /// in the visits.
     pub(super) fn new(experience: Experience) -> Result<BestFirst, AxiomId> {
         let walk = Walk::new(&experience.visits);
         let quotient = Quotient::of(&walk, experience.axioms)?;
         let known = |axiom: &Axiom| FOLDED.contains(&axiom.id);
         let in_order = !experience.word.is_empty() || !experience.axioms.iter().all(known);
-        let mut search = BestFirst {
+        Ok(BestFirst {
             experience: Arc::new(experience),
             walk: Arc::new(walk),
             quotient,
@@ -130,14 +132,19 @@ impl BestFirst {
             found: Minimal::default(),
             effort: Effort::default(),
             in_order,
-        };
-        search.tell_apart();
-        search.look();
-        Ok(search)
+            told_apart: 0,
+        })
     }
 
-    /// Goes on until all is decided or the budget is used up.
+    /// Goes on until all is decided or the budget is used up. It begins by asking of every two visits whether they
+    /// might be one place: quadratic in the visits, times folding.
     pub(super) fn run(&mut self, budget: &Budget<'_>) {
+        if !self.has_begun() {
+            if budget.steps == Some(0) || !self.tell_apart(budget.interrupted) {
+                return;
+            }
+            self.look();
+        }
         while let Some(decision) = self.agenda.last_mut() {
             let spent = budget.steps.is_some_and(|steps| self.effort.steps >= steps);
             if spent || (budget.interrupted)() {
@@ -170,25 +177,38 @@ impl BestFirst {
     /// Whether no simpler candidate is left to be found, nor another as simple.
     pub(super) fn is_done(&self) -> bool {
         let open = |decision: &Decision| self.found.simplicity.is_none_or(|least| decision.bound <= least);
-        !self.agenda.iter().any(|decision| !decision.lists.ways.is_empty() && open(decision))
+        self.has_begun()
+            && !self.agenda.iter().any(|decision| !decision.lists.ways.is_empty() && open(decision))
     }
 
-    /// How simple the simplest map is at best: of all that is found or left open, the least bound.
+    /// Whether anything was looked at; what there was before is in no agenda.
+    fn has_begun(&self) -> bool {
+        self.effort.steps > 0
+    }
+
+    /// How simple the simplest map is at best: of all that is found or left open, the least bound. None before the
+    /// search has begun, and where nothing is left.
     pub(super) fn bound(&self) -> Option<Simplicity> {
         let open = self.agenda.iter().filter(|decision| !decision.lists.ways.is_empty());
         open.map(|decision| decision.bound).chain(self.found.simplicity).min()
     }
 
-    /// Asks of every two classes, under each rotation, whether they can be one place at all.
-    fn tell_apart(&mut self) {
+    /// Asks of every two classes, under each rotation, whether they can be one place at all; whether it came to an
+    /// end, or else goes on from there.
+    fn tell_apart(&mut self, interrupted: &dyn Fn() -> bool) -> bool {
         let classes: Vec<usize> = self.quotient.classes(&self.walk).collect();
-        for (k, &class) in classes.iter().enumerate() {
-            for &onto in &classes[..k] {
+        while let Some(&class) = classes.get(self.told_apart) {
+            if interrupted() {
+                return false;
+            }
+            for &onto in &classes[..self.told_apart] {
                 for rotation in self.rotations(class, onto) {
                     let _ = self.probe(&[], class, onto, rotation);
                 }
             }
+            self.told_apart += 1;
         }
+        true
     }
 
     /// The number of classes that are left if one lies on another; none if it cannot, which is noted.
