@@ -1,55 +1,98 @@
 //! The children of a candidate: every way to explain one more observation.
 
 use crate::abduction::kept::Kept;
+use crate::abduction::tree::Node;
 use crate::abduction::{
-    Assignment, AxiomId, AxiomSet, Branch, Evidence, Lineage, Outcome, Proposal, Refutations, Visit,
+    Assignment, Axiom, AxiomId, AxiomSet, Boundary, Branch, Evidence, Lineage, Outcome, Proposal,
+    Refutations, Simplicity, Visit,
 };
-use crate::map::{DstateId, Grown, InternedStar, PlaceId, TopologicalMap};
+use crate::map::{DstateId, InternedStar, TopologicalMap};
 use crate::star::SlotIndex;
 
 /// An observation after the first, with all that does not depend on the candidate.
+#[derive(Debug)]
 pub(super) struct Seen {
     departure: SlotIndex,
     gateway: SlotIndex,
     star: InternedStar,
-    /// For each star known by number, the rotations that lay the star observed onto it.
-    alignments: Vec<Vec<u8>>,
+    /// For each star known by number, the ways to lay the star observed onto it, ascending.
+    alignments: Vec<Vec<Alignment>>,
 }
 
-/// A candidate that explains the observation.
-pub(super) struct Child {
-    pub(super) map: TopologicalMap,
-    pub(super) assignment: Assignment,
-    /// Whether the map is a new one, made by branching.
-    pub(super) made: bool,
+/// A rotation that lays the star observed onto another, and the slot at which it lays the gateway passed on arrival.
+#[derive(Clone, Copy, Debug)]
+struct Alignment {
+    rotation: u8,
+    gateway: SlotIndex,
 }
 
 /// What the children of one observation share.
 pub(super) struct Extension<'a> {
-    pub(super) seen: &'a Seen,
-    pub(super) axioms: AxiomSet,
-    pub(super) evidence: Option<&'a dyn Evidence>,
+    seen: &'a Seen,
+    axioms: AxiomSet,
+    /// Those of the axioms that refute, in the order of the registry.
+    laws: Vec<&'static Axiom>,
+    evidence: Option<&'a dyn Evidence>,
     pub(super) refuted: Refutations,
     pub(super) kept: Kept,
-    pub(super) grown: Grown,
 }
 
 impl Seen {
     /// The star is that of the visit, and the visit has a departure from `departure`.
     pub(super) fn new(visit: &Visit, departure: SlotIndex, star: InternedStar) -> Seen {
-        let alignments = star.table.stars().map(|known| known.alignments(&visit.star)).collect();
         let gateway = visit.star.slots()[visit.arrival.0 as usize].opposite;
+        let aligned =
+            |rotation| Alignment { rotation, gateway: turned(gateway, rotation, visit.star.size()) };
+        let alignments = star.table.stars().map(|known| known.alignments(&visit.star));
+        let alignments = alignments.map(|rotations| rotations.into_iter().map(aligned).collect()).collect();
         Seen { departure, gateway, star, alignments }
     }
 
-    /// The rotations that lay the star observed onto that of a place, ascending.
-    fn alignments(&self, map: &TopologicalMap, place: PlaceId) -> &[u8] {
-        &self.alignments[map.star_id(place).index()]
+    /// Turns the map of a candidate that had come to `at` into that which it has when it takes the observation for
+    /// `now`.
+    pub(super) fn extend(&self, map: &mut TopologicalMap, [at, now]: [Assignment; 2]) {
+        let (from, to) = (self.left_by(map, at), self.far_end(now));
+        if map.far_end(from).is_some() {
+            // It stays as it is.
+        } else if Some(now.place) == map.next_place() {
+            map.grow(from, &self.star, to);
+        } else {
+            map.join(from, to);
+        }
     }
 
-    /// The slot at which a rotation lays the gateway passed on arrival.
-    fn gateway(&self, rotation: u8) -> SlotIndex {
-        turned(self.gateway, rotation, self.star.star().size())
+    /// How simple the map then is, which is made only where that cannot be said without.
+    pub(super) fn simplicity(
+        &self,
+        map: &TopologicalMap,
+        [at, now]: [Assignment; 2],
+        axioms: AxiomSet,
+    ) -> Simplicity {
+        let (from, to) = (self.left_by(map, at), self.far_end(now));
+        if axioms.boundary() == Some(Boundary::Soft) {
+            let mut map = map.clone();
+            self.extend(&mut map, [at, now]);
+            return Simplicity::of(&map, axioms);
+        }
+        let (paths, places) = (map.path_count(), map.place_count());
+        let (paths, places) = if map.far_end(from).is_some() {
+            (paths, places)
+        } else if Some(now.place) == map.next_place() {
+            (paths + self.star.star().fragments() - 1, places + 1)
+        } else {
+            (paths - usize::from(!map.closes(from, to)), places)
+        };
+        Simplicity { abnormalities: None, paths, places }
+    }
+
+    /// The gateway by which a candidate left that had come to `at`.
+    fn left_by(&self, map: &TopologicalMap, at: Assignment) -> DstateId {
+        DstateId { place: at.place, slot: turned(self.departure, at.rotation, map.star(at.place).size()) }
+    }
+
+    /// The gateway passed on arrival, as an assignment lays it.
+    fn far_end(&self, Assignment { place, rotation }: Assignment) -> DstateId {
+        DstateId { place, slot: turned(self.gateway, rotation, self.star.star().size()) }
     }
 
     /// The rotation that lays the gateway passed onto a slot, if the slot is one of a star of the same size.
@@ -59,8 +102,25 @@ impl Seen {
     }
 }
 
-impl Extension<'_> {
-    /// Adds the children of the candidate numbered `parent`, which had come to its map's place `at`.
+impl<'a> Extension<'a> {
+    pub(super) fn new(
+        seen: &'a Seen,
+        axioms: AxiomSet,
+        evidence: Option<&'a dyn Evidence>,
+        kept: Kept,
+    ) -> Extension<'a> {
+        Extension {
+            seen,
+            axioms,
+            laws: axioms.iter().collect(),
+            evidence,
+            refuted: Refutations::default(),
+            kept,
+        }
+    }
+
+    /// Adds the children of the candidate numbered `parent`, which had come to its map's place `at`; whether there
+    /// are any.
     ///
     /// Children are in the order of assignments. A travel over a known path segment has one at most; another one
     /// branches over every alignment with every place, then a new place, which only measured axioms speak against.
@@ -70,65 +130,68 @@ impl Extension<'_> {
         map: &TopologicalMap,
         at: Assignment,
         lineage: &dyn Lineage,
-    ) {
-        let slot = turned(self.seen.departure, at.rotation, map.star(at.place).size());
-        let from = DstateId { place: at.place, slot };
-        let branch = Branch::new(map, from, self.seen.star.star(), lineage);
-        match map.far_end(from) {
-            Some(to) => self.follow(parent, map, &branch, to),
+    ) -> bool {
+        let before = self.kept.added;
+        let branch = Branch::new(map, self.seen.left_by(map, at), self.seen.star.star(), lineage);
+        let parent = Parent { number: parent, at, branch: &branch };
+        match map.far_end(branch.from()) {
+            Some(to) => self.follow(&parent, to),
             None => {
-                self.close(parent, &branch);
-                self.grow(parent, &branch);
+                self.close(&parent);
+                self.grow(&parent);
             }
         }
+        self.kept.added > before
     }
 
-    fn follow(&mut self, parent: u32, map: &TopologicalMap, branch: &Branch<'_>, to: DstateId) {
+    fn follow(&mut self, parent: &Parent<'_>, to: DstateId) {
         let rotation = self.seen.rotation(to.slot);
-        let matches = self.seen.alignments(map, to.place).contains(&rotation);
+        let alignments = &self.seen.alignments[parent.branch.map().star_id(to.place).index()];
+        let matches = alignments.iter().any(|alignment| alignment.rotation == rotation);
         let assignment = Assignment { place: to.place, rotation };
-        if self.admits(&Proposal { branch, assignment, outcome: Outcome::Known { to, matches } }) {
-            self.kept.push(parent, Child { map: map.clone(), assignment, made: false });
-        }
+        self.propose(parent, assignment, Outcome::Known { to, matches });
     }
 
-    fn close(&mut self, parent: u32, branch: &Branch<'_>) {
-        let (seen, map) = (self.seen, branch.map());
+    fn close(&mut self, parent: &Parent<'_>) {
+        let from = parent.branch.from();
         // A path segment has two ends; what says that the robot stayed is for `travel-moves` to refute.
         let refutable = self.axioms.contains(AxiomId::TravelMoves);
-        for place in map.places() {
-            for &rotation in seen.alignments(map, place) {
-                let to = DstateId { place, slot: seen.gateway(rotation) };
-                let assignment = Assignment { place, rotation };
-                let closure = Proposal { branch, assignment, outcome: Outcome::Closure { to } };
-                if (to != branch.from() || refutable) && self.admits(&closure) {
-                    let map = map.joined(branch.from(), to);
-                    self.kept.push(parent, Child { map, assignment, made: true });
+        for (place, star) in parent.branch.map().places_with_stars() {
+            for &Alignment { rotation, gateway } in &self.seen.alignments[star.index()] {
+                let to = DstateId { place, slot: gateway };
+                if to != from || refutable {
+                    self.propose(parent, Assignment { place, rotation }, Outcome::Closure { to });
                 }
             }
         }
     }
 
-    fn grow(&mut self, parent: u32, branch: &Branch<'_>) {
-        let map = branch.map();
+    fn grow(&mut self, parent: &Parent<'_>) {
         // Some: a map has no more places than there were observations, and these have a limit.
-        let Some(place) = map.next_place() else { return };
-        let assignment = Assignment { place, rotation: 0 };
-        if self.admits(&Proposal { branch, assignment, outcome: Outcome::NewPlace }) {
-            let to = DstateId { place, slot: self.seen.gateway };
-            let map = map.grown(branch.from(), &self.seen.star, to, &mut self.grown);
-            self.kept.push(parent, Child { map, assignment, made: true });
-        }
+        let Some(place) = parent.branch.map().next_place() else { return };
+        self.propose(parent, Assignment { place, rotation: 0 }, Outcome::NewPlace);
     }
 
-    /// Whether all axioms hold; otherwise the first that does not is counted.
-    fn admits(&mut self, proposal: &Proposal<'_>) -> bool {
-        let broken = self.axioms.iter().find(|axiom| !axiom.holds(proposal, self.evidence));
-        if let Some(axiom) = broken {
+    /// Adds the child if all axioms hold; otherwise the first that does not is counted.
+    fn propose(&mut self, parent: &Parent<'_>, assignment: Assignment, outcome: Outcome) {
+        let &Parent { number, at, branch } = parent;
+        let proposal = Proposal { branch, assignment, outcome };
+        if let Some(axiom) = self.laws.iter().find(|axiom| !axiom.holds(&proposal, self.evidence)) {
             self.refuted.count(axiom.id);
+            return;
         }
-        broken.is_none()
+        let simplicity = || self.seen.simplicity(branch.map(), [at, assignment], self.axioms);
+        let made = !matches!(outcome, Outcome::Known { .. });
+        self.kept.push(Node { parent: number, assignment }, made, simplicity);
     }
+}
+
+/// The candidate that is extended.
+struct Parent<'a> {
+    number: u32,
+    /// What it takes the observation before for.
+    at: Assignment,
+    branch: &'a Branch<'a>,
 }
 
 /// The slot that many slots further clockwise on a star of `size` slots.

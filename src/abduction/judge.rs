@@ -5,7 +5,7 @@ use crate::abduction::{
     Assignment, Axiom, AxiomId, AxiomSet, Branch, Candidate, Clash, Evidence, Lineage, Outcome, Proposal,
     Visit,
 };
-use crate::map::{DstateId, Grown, InternedStar, PlaceId, StarTable, TopologicalMap};
+use crate::map::{DstateId, InternedStar, PlaceId, StarTable, TopologicalMap};
 use crate::star::SlotIndex;
 use std::borrow::Borrow;
 use std::sync::Arc;
@@ -279,7 +279,7 @@ impl Step<'_> {
             Outcome::Closure { to } => Some(map.joined(from, to)),
             Outcome::NewPlace => {
                 let to = self.far_end(self.assignment);
-                Some(map.grown(from, &self.star, to, &mut Grown::default()))
+                Some(map.grown(from, &self.star, to))
             }
         }
     }

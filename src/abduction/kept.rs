@@ -1,19 +1,18 @@
 //! The children of one observation, cut to a limit while they are made.
 
-use crate::abduction::children::Child;
+use crate::abduction::Simplicity;
 use crate::abduction::tree::Node;
-use crate::abduction::{AxiomSet, Simplicity};
-use crate::map::TopologicalMap;
 
-/// Children in the order in which they were made. Never many more than the limit are held at once: each is a map,
-/// and one observation may make hundreds from every candidate.
+/// Children in the order in which they were made. Never many more than the limit are held at once: one observation
+/// may make hundreds from every candidate.
 pub(super) struct Kept {
     limit: Option<usize>,
-    axioms: AxiomSet,
     nodes: Vec<Node>,
-    /// The map of each node.
-    maps: Vec<TopologicalMap>,
-    /// Of all children, cut ones among them, how many are new maps.
+    /// How simple the map of each node is; nothing without a limit.
+    simplicities: Vec<Simplicity>,
+    /// How many were added, cut ones among them.
+    pub(super) added: u64,
+    /// How many of these have new maps.
     pub(super) made: u64,
     cut: bool,
 }
@@ -22,53 +21,55 @@ pub(super) struct Kept {
 const SLACK: usize = 2048;
 
 impl Kept {
-    pub(super) fn new(limit: Option<usize>, axioms: AxiomSet) -> Self {
-        Kept { limit, axioms, nodes: Vec::new(), maps: Vec::new(), made: 0, cut: false }
+    pub(super) fn new(limit: Option<usize>) -> Self {
+        Kept { limit, nodes: Vec::new(), simplicities: Vec::new(), added: 0, made: 0, cut: false }
     }
 
-    /// Adds the child of a candidate, which comes after all before it in the order of assignments.
-    pub(super) fn push(&mut self, parent: u32, child: Child) {
-        self.made += u64::from(child.made);
-        self.nodes.push(Node { parent, assignment: child.assignment });
-        self.maps.push(child.map);
-        self.cut_to_slack();
+    /// Adds a child, which comes after all before it in the order of assignments; `made` says that its map is new.
+    pub(super) fn push(&mut self, child: Node, made: bool, simplicity: impl FnOnce() -> Simplicity) {
+        self.added += 1;
+        self.made += u64::from(made);
+        self.nodes.push(child);
+        if self.limit.is_some() {
+            self.simplicities.push(simplicity());
+            self.cut_to_slack();
+        }
     }
 
     /// Adds children that come after all before them, cut to the same limit.
     pub(super) fn append(&mut self, others: Kept) {
         self.cut |= others.cut;
+        self.added += others.added;
         self.made += others.made;
         self.nodes.extend(others.nodes);
-        self.maps.extend(others.maps);
+        self.simplicities.extend(others.simplicities);
         self.cut_to_slack();
     }
 
     /// The simplest, and of equally simple ones the first, in their order, and whether any was cut.
-    pub(super) fn finish(mut self) -> (Vec<Node>, Vec<TopologicalMap>, bool) {
+    pub(super) fn finish(mut self) -> (Vec<Node>, bool) {
         self.cut_to_limit();
-        (self.nodes, self.maps, self.cut)
+        (self.nodes, self.cut)
     }
 
     fn cut_to_slack(&mut self) {
-        if self.limit.is_some_and(|limit| self.maps.len() / 2 >= limit.max(SLACK)) {
+        if self.limit.is_some_and(|limit| self.nodes.len() / 2 >= limit.max(SLACK)) {
             self.cut_to_limit();
         }
     }
 
     /// Cutting early changes nothing: what many simpler children push out stays out when more come.
     fn cut_to_limit(&mut self) {
-        let Some(limit) = self.limit.filter(|&limit| self.maps.len() > limit) else { return };
+        let Some(limit) = self.limit.filter(|&limit| self.nodes.len() > limit) else { return };
         self.cut = true;
-        let axioms = self.axioms;
-        let simplicity = |(index, map)| (Simplicity::of(map, axioms), index);
-        let mut ranked: Vec<(Simplicity, usize)> = self.maps.iter().enumerate().map(simplicity).collect();
+        let mut ranked: Vec<(Simplicity, usize)> = self.simplicities.iter().copied().zip(0..).collect();
         ranked.sort_unstable();
-        let mut keep = vec![false; self.maps.len()];
+        let mut keep = vec![false; self.nodes.len()];
         ranked[..limit].iter().for_each(|&(_, index)| keep[index] = true);
         let mut kept = keep.iter();
         self.nodes.retain(|_| kept.next() == Some(&true));
         let mut kept = keep.iter();
-        self.maps.retain(|_| kept.next() == Some(&true));
+        self.simplicities.retain(|_| kept.next() == Some(&true));
     }
 }
 
@@ -77,49 +78,32 @@ mod tests {
     use super::*;
     use crate::abduction::Assignment;
     use crate::map::PlaceId;
-    use crate::star::{ControlLaw, Direction, FragmentId, GatewayId, LargeScaleStar, Slot, SmallScaleStar};
 
-    /// A star of so many fragments, so that a map of it has as many paths.
-    fn star(fragments: u32) -> LargeScaleStar {
-        let slot = |slot: u32| Slot {
-            fragment: FragmentId(slot / 2),
-            direction: if slot.is_multiple_of(2) { Direction::Plus } else { Direction::Minus },
-            outward: Some(GatewayId(slot)),
-            inward: Some(GatewayId(slot ^ 1)),
-            control: ControlLaw::Midline,
-            bearing: None,
-            width: None,
-            margin: None,
-        };
-        SmallScaleStar::new((0..2 * fragments).map(slot).collect()).unwrap().large_scale()
+    fn child(parent: u32) -> Node {
+        Node { parent, assignment: Assignment { place: PlaceId::FIRST, rotation: 0 } }
+    }
+
+    fn simplicity(child: u32) -> Simplicity {
+        Simplicity { abnormalities: None, paths: [3, 1, 2][(child * child) as usize % 3], places: 1 }
     }
 
     #[test]
     fn children_cut_while_they_are_made_are_those_cut_at_the_end() {
-        let maps = [3, 1, 2].map(|fragments| TopologicalMap::new(&star(fragments)).unwrap());
-        let child = |k: u32| Child {
-            map: maps[(k * k) as usize % 3].clone(),
-            assignment: Assignment { place: PlaceId::FIRST, rotation: 0 },
-            made: true,
-        };
         let all = 0..20_000u32;
-        let axioms = AxiomSet::built_in();
         for limit in [1, 3, 5000, 15_000] {
-            let mut ranked: Vec<(Simplicity, u32)> =
-                all.clone().map(|k| (Simplicity::of(&child(k).map, axioms), k)).collect();
+            let mut ranked: Vec<(Simplicity, u32)> = all.clone().map(|k| (simplicity(k), k)).collect();
             ranked.sort_unstable();
             let mut expected: Vec<u32> = ranked[..limit].iter().map(|&(_, k)| k).collect();
             expected.sort_unstable();
-            let mut kept = Kept::new(Some(limit), axioms);
+            let mut kept = Kept::new(Some(limit));
             for k in all.clone() {
-                kept.push(k, child(k));
-                assert!(kept.maps.len() <= 2 * limit.max(SLACK));
+                kept.push(child(k), true, || simplicity(k));
+                assert!(kept.nodes.len() <= 2 * limit.max(SLACK));
             }
             assert_eq!(kept.made, 20_000);
-            let (nodes, left, cut) = kept.finish();
+            let (nodes, cut) = kept.finish();
             assert!(cut);
             assert_eq!(nodes.iter().map(|node| node.parent).collect::<Vec<u32>>(), expected);
-            assert_eq!(left, expected.iter().map(|&k| child(k).map).collect::<Vec<_>>());
         }
     }
 }

@@ -20,6 +20,7 @@ mod clash;
 mod evidence;
 mod judge;
 mod kept;
+mod leaves;
 mod preference;
 mod refutation;
 mod report;

@@ -2,14 +2,16 @@
 
 use crate::abduction::best_first::BestFirst;
 use crate::abduction::candidate::{Assignment, Candidate};
-use crate::abduction::children::{Child, Extension, Seen, turned};
+use crate::abduction::children::{Extension, Seen, turned};
 use crate::abduction::kept::Kept;
-use crate::abduction::tree::Tree;
+use crate::abduction::leaves::{BATCH, LeafMaps};
+use crate::abduction::tree::{Node, Tree};
 use crate::abduction::{
     Assertion, AxiomSet, Count, Evidence, Extinction, Refutations, Report, Settlement, Simplicity,
     StopReason, Strategy, Visit, VisitError, Word, WordError,
 };
-use crate::map::{DstateId, Grown, PlaceId, StarTable, TopologicalMap};
+use crate::map::{Atlas, DstateId, PlaceId, StarTable, TopologicalMap};
+use crate::star::SlotIndex;
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use std::ops::Range;
 use std::sync::Arc;
@@ -30,8 +32,7 @@ pub struct Abduction {
     pub(super) visits: Vec<Arc<Visit>>,
     pub(super) word: Word,
     pub(super) tree: Tree,
-    /// The maps of the tree's leaves.
-    pub(super) maps: Arc<Vec<TopologicalMap>>,
+    pub(super) maps: LeafMaps,
     pub(super) maps_created: u64,
     /// By observation; of all together under the strategy that does not go by observations.
     pub(super) refuted: Vec<Refutations>,
@@ -40,8 +41,6 @@ pub struct Abduction {
     first_cut: Option<usize>,
 }
 
-/// Candidates that one thread extends at a time: enough to be worth a thread, and few enough to share out evenly.
-const BATCH: usize = 512;
 /// Batches whose children are in memory before they come together and are cut to the limit.
 const WAVE: usize = 64;
 
@@ -66,7 +65,7 @@ impl Abduction {
             visits: Vec::new(),
             word: Word::default(),
             tree: Tree::default(),
-            maps: Arc::default(),
+            maps: LeafMaps::default(),
             maps_created: 0,
             refuted: Vec::new(),
             minimum: None,
@@ -104,16 +103,12 @@ impl Abduction {
         match visit.departure {
             _ if self.strategy == Strategy::BestFirst => self.unsettle(),
             None => {
-                let child = Child {
-                    map: TopologicalMap::first(&star),
-                    assignment: Assignment { place: PlaceId::FIRST, rotation: 0 },
-                    made: true,
-                };
-                let mut kept = Kept::new(self.limits.max_candidates, self.axioms);
-                kept.push(0, child);
-                self.keep(kept, Refutations::default());
+                let assignment = Assignment { place: PlaceId::FIRST, rotation: 0 };
+                let (map, mut kept) = (TopologicalMap::first(&star), Kept::new(self.limits.max_candidates));
+                kept.push(Node { parent: 0, assignment }, true, || Simplicity::of(&map, self.axioms));
+                self.keep(kept, Refutations::default(), LeafMaps::first(&map));
             }
-            Some(departure) => self.extend(&Seen::new(visit, departure, star)),
+            Some(departure) => self.extend(Seen::new(visit, departure, star)),
         }
         self.visits.push(Arc::new(visit.clone()));
         Ok(())
@@ -163,12 +158,12 @@ impl Abduction {
 
     /// The number of candidates kept.
     pub fn len(&self) -> usize {
-        self.maps.len()
+        self.tree.leaves().len()
     }
 
     /// Whether no candidate is kept.
     pub fn is_empty(&self) -> bool {
-        self.maps.is_empty()
+        self.tree.leaves().is_empty()
     }
 
     /// Whether every candidate there is was kept.
@@ -179,22 +174,22 @@ impl Abduction {
         }
     }
 
-    /// The candidate at a position in the order of assignments. Linear in the observations.
+    /// The candidate at a position in the order of assignments. Linear in the observations and the dstates.
     pub fn candidate(&self, index: usize) -> Option<Candidate> {
-        let (map, leaf, last) = (self.maps.get(index)?, self.tree.leaves().get(index)?, self.visits.last()?);
-        let Assignment { place, rotation } = leaf.assignment;
-        let robot = DstateId { place, slot: turned(last.arrival, rotation, map.star(place).size()) };
-        Some(Candidate { map: Arc::new(map.clone()), visits: self.tree.assignments(index), robot })
+        (index < self.len()).then(|| self.candidate_in(index, &mut self.blank()))
     }
 
     /// All candidates, in the order of their assignments.
     pub fn candidates(&self) -> impl Iterator<Item = Candidate> {
-        (0..self.len()).filter_map(|index| self.candidate(index))
+        let mut map = self.blank();
+        (0..self.len()).map(move |index| self.candidate_in(index, &mut map))
     }
 
     /// The positions of the simplest candidates, all that are equally simple.
     pub fn minimal(&self) -> Vec<usize> {
-        let all: Vec<Simplicity> = self.maps.iter().map(|map| Simplicity::of(map, self.axioms)).collect();
+        let mut map = self.blank();
+        let simplicity = |leaf| self.maps.simplicity(&self.tree, leaf, self.axioms, &mut map);
+        let all: Vec<Simplicity> = (0..self.len()).map(simplicity).collect();
         let least = all.iter().min();
         (0..self.len()).filter(|&index| Some(&all[index]) == least).collect()
     }
@@ -235,57 +230,74 @@ impl Abduction {
     /// Drops the leaves that are not to be kept.
     pub(super) fn retain(&mut self, keep: &[bool]) {
         self.tree.prune(keep);
-        let kept = self.maps.iter().zip(keep).filter(|&(_, &keep)| keep);
-        self.maps = Arc::new(kept.map(|(map, _)| map.clone()).collect());
     }
 
     /// Holds nothing until it is settled anew.
     fn unsettle(&mut self) {
-        (self.tree, self.maps, self.minimum) = (Tree::default(), Arc::default(), None);
+        (self.tree, self.maps, self.minimum) = (Tree::default(), LeafMaps::default(), None);
         (self.maps_created, self.refuted) = (0, Vec::new());
     }
 
     /// Extends all candidates, on all cores. Each batch of them is extended by one thread, and the batches' children
     /// come together in the order of the batches, so that nothing depends on the number of threads.
-    fn extend(&mut self, seen: &Seen) {
-        let mut kept = Kept::new(self.limits.max_candidates, self.axioms);
+    fn extend(&mut self, seen: Seen) {
+        let mut kept = Kept::new(self.limits.max_candidates);
         let mut refuted = Refutations::default();
+        let mut maps = Vec::new();
         let batches: Vec<Range<usize>> =
             (0..self.len()).step_by(BATCH).map(|start| start..self.len().min(start + BATCH)).collect();
         for wave in batches.chunks(WAVE) {
-            let extended: Vec<(Kept, Refutations)> =
-                wave.par_iter().map(|parents| self.extend_batch(seen, parents.clone())).collect();
-            for (children, counts) in extended {
+            let extended: Vec<(Atlas, Kept, Refutations)> =
+                wave.par_iter().map(|parents| self.extend_batch(&seen, parents.clone())).collect();
+            for (parents, children, counts) in extended {
+                maps.push(parents);
                 kept.append(children);
                 refuted = [refuted, counts].into_iter().sum();
             }
         }
-        self.keep(kept, refuted);
+        self.keep(kept, refuted, LeafMaps::new(maps, seen));
     }
 
-    fn extend_batch(&self, seen: &Seen, parents: Range<usize>) -> (Kept, Refutations) {
-        let kept = Kept::new(self.limits.max_candidates, self.axioms);
-        let evidence = self.evidence.as_deref();
-        let refuted = Refutations::default();
-        let (axioms, grown) = (self.axioms(), Grown::default());
-        let mut extension = Extension { seen, axioms, evidence, refuted, kept, grown };
-        for parent in parents {
-            let (map, leaf) = (&self.maps[parent], self.tree.leaves()[parent]);
-            extension.extend(parent as u32, map, leaf.assignment, &self.tree.leaf(parent));
-        }
-        (extension.kept, extension.refuted)
-    }
-
-    fn keep(&mut self, kept: Kept, refuted: Refutations) {
-        self.maps_created += kept.made;
+    fn keep(&mut self, kept: Kept, refuted: Refutations, maps: LeafMaps) {
         let observation = self.tree.depth();
-        let (nodes, maps, cut) = kept.finish();
+        self.maps_created += kept.made;
+        let (nodes, cut) = kept.finish();
         if cut {
             self.first_cut = self.first_cut.or(Some(observation));
         }
         self.tree.push(nodes);
-        self.maps = Arc::new(maps);
+        self.maps = maps;
         self.refuted.push(refuted);
+    }
+
+    /// The children of some candidates, and the maps of those that have any.
+    fn extend_batch(&self, seen: &Seen, parents: Range<usize>) -> (Atlas, Kept, Refutations) {
+        let kept = Kept::new(self.limits.max_candidates);
+        let mut extension = Extension::new(seen, self.axioms(), self.evidence.as_deref(), kept);
+        let (mut maps, mut map) = (Atlas::with_capacity(parents.len()), self.blank());
+        for parent in parents {
+            self.maps.make(&self.tree, parent, &mut map);
+            let at = self.tree.leaves()[parent].assignment;
+            match extension.extend(parent as u32, &map, at, &self.tree.leaf(parent)) {
+                true => maps.push(&map),
+                false => maps.skip(),
+            }
+        }
+        (maps, extension.kept, extension.refuted)
+    }
+
+    /// The candidate at a position, its map made in some memory.
+    fn candidate_in(&self, index: usize, map: &mut TopologicalMap) -> Candidate {
+        self.maps.make(&self.tree, index, map);
+        let Assignment { place, rotation } = self.tree.leaves()[index].assignment;
+        // There is a candidate, so that there was an observation.
+        let arrival = self.visits.last().map_or(SlotIndex(0), |last| last.arrival);
+        let robot = DstateId { place, slot: turned(arrival, rotation, map.star(place).size()) };
+        Candidate { map: Arc::new(map.clone()), visits: self.tree.assignments(index), robot }
+    }
+
+    fn blank(&self) -> TopologicalMap {
+        TopologicalMap::blank(Arc::clone(&self.stars))
     }
 
     fn stop_reason(&self) -> StopReason {

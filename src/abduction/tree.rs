@@ -65,6 +65,13 @@ impl Tree {
         }
     }
 
+    /// What a leaf takes the last two observations for; the first one alone counts as both.
+    pub(super) fn last_two(&self, leaf: usize) -> [Assignment; 2] {
+        let Node { parent, assignment } = self.leaves()[leaf];
+        let before = self.layers.iter().rev().nth(1).map(|layer| layer[parent as usize].assignment);
+        [before.unwrap_or(assignment), assignment]
+    }
+
     /// The assignments on the way to a leaf, first observation first.
     pub(super) fn assignments(&self, leaf: usize) -> Vec<Assignment> {
         let mut assignments = Vec::with_capacity(self.layers.len());

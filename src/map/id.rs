@@ -38,6 +38,11 @@ impl PlaceId {
         NonZeroU16::new(next).map(PlaceId)
     }
 
+    /// All there may be, by number.
+    pub(crate) fn all() -> impl Iterator<Item = PlaceId> {
+        (0..u16::MAX).map(|number| PlaceId(NonZeroU16::MIN.saturating_add(number)))
+    }
+
     /// Its number.
     pub fn index(self) -> usize {
         self.0.get() as usize - 1

@@ -5,6 +5,7 @@
 //! are immutable values; an extension is a new map. Symbols only: no metres, no views, no history.
 
 mod abnormality;
+mod atlas;
 mod boundaries;
 mod canonical;
 mod id;
@@ -20,9 +21,9 @@ pub use canonical::CanonicalMap;
 pub use id::{DstateId, PathId, PlaceId, SegmentId};
 pub use path::{BoundSlot, DirectedPath, Paths, Stop, TopoPath};
 pub use region::{Beside, Conflict, Crossing, PathRegions, Regions};
-pub(crate) use topological::Grown;
 pub use topological::{MapError, Segment, TopologicalMap};
 
+pub(crate) use atlas::Atlas;
 pub(crate) use boundaries::Boundaries;
 pub(crate) use place_set::PlaceSet;
 pub(crate) use star_table::{InternedStar, StarId, StarTable};

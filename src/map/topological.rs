@@ -1,9 +1,7 @@
 //! The map itself.
 
 use crate::map::{DstateId, InternedStar, PlaceId, SegmentId, StarId, StarTable};
-use crate::star::{LargeScaleStar, SlotIndex};
-use std::collections::VecDeque;
-use std::iter;
+use crate::star::{LargeScaleStar, LargeSlot, SlotIndex};
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -11,28 +9,36 @@ use thiserror::Error;
 ///
 /// Law: path segments are an involution without fixed point on navigable dstates; that is the axiom
 /// `determinism`, built in. A map made by [`TopologicalMap::with_new_place`] and [`TopologicalMap::with_segment`]
-/// from one place is connected. Extending copies one small array, linear in dstates, and for a new place those that
-/// describe the places; a clone shares all. Equality compares stars and path segments.
+/// from one place is connected. Extending and cloning copy two small arrays, linear in dstates. Equality compares stars
+/// and path segments.
 #[derive(Clone, Debug)]
 pub struct TopologicalMap {
-    ground: Arc<Ground>,
-    far_ends: Arc<[Option<DstateId>]>,
-    segments: u32,
-    closed_paths: u32,
-}
-
-/// The places without the path segments: a path segment adds nothing to it, so that many maps share one.
-#[derive(Clone, Debug)]
-struct Ground {
     stars: Arc<StarTable>,
-    places: Box<[Place]>,
-    /// For each dstate the slot of the other direction of its path, as its star has it.
-    opposite: Box<[SlotIndex]>,
+    pub(super) places: Vec<Place>,
+    /// Of each dstate, by its position among all.
+    pub(super) ways: Vec<Way>,
+    pub(super) segments: u32,
+    pub(super) closed_paths: u32,
 }
 
-/// The places of maps just grown, for other maps that grow alike.
-#[derive(Debug, Default)]
-pub(crate) struct Grown(VecDeque<[Arc<Ground>; 2]>);
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    star: StarId,
+    /// The number of its slots.
+    size: u16,
+    /// The position of its first dstate.
+    first: u32,
+}
+
+/// Where a dstate leads; in four bytes, since maps are copied by the million.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Way {
+    /// The place of the far end, if that is known, and its slot.
+    far_place: Option<PlaceId>,
+    far_slot: SlotIndex,
+    /// The slot of the other direction of the same path, as the star has it.
+    opposite: SlotIndex,
+}
 
 /// A path segment: one stretch of a path between two places next to each other on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -63,18 +69,6 @@ pub enum MapError {
     Full,
 }
 
-#[derive(Clone, Copy, Debug)]
-struct Place {
-    star: StarId,
-    /// The number of its slots.
-    size: u16,
-    /// The position of its first dstate.
-    first: u32,
-}
-
-/// How many a [`Grown`] remembers: candidates that grow alike are close in the order of candidates.
-const REMEMBERED: usize = 16;
-
 impl TopologicalMap {
     /// A map of one place.
     pub fn new(star: &LargeScaleStar) -> Result<Self, MapError> {
@@ -90,12 +84,12 @@ impl TopologicalMap {
         gateway: SlotIndex,
     ) -> Result<Self, MapError> {
         self.joinable(from)?;
-        let star = self.ground.stars.intern(star).ok_or(MapError::Full)?;
+        let star = self.stars.intern(star).ok_or(MapError::Full)?;
         let to = DstateId { place: self.next_place().ok_or(MapError::Full)?, slot: gateway };
         match star.star().slots().get(gateway.0 as usize) {
             None => Err(MapError::UnknownDstate(to)),
             Some(slot) if !slot.navigable => Err(MapError::NotNavigable(to)),
-            Some(_) => Ok(self.grown(from, &star, to, &mut Grown::default())),
+            Some(_) => Ok(self.grown(from, &star, to)),
         }
     }
 
@@ -111,33 +105,30 @@ impl TopologicalMap {
 
     /// The dstate reached by travelling away along `dstate`, facing back, if that is known.
     pub fn far_end(&self, dstate: DstateId) -> Option<DstateId> {
-        self.far_ends[self.index(dstate)]
+        let way = self.ways[self.index(dstate)];
+        way.far_place.map(|place| DstateId { place, slot: way.far_slot })
     }
 
     /// The dstate of the other direction of the same path at the same place.
     pub fn opposite(&self, dstate: DstateId) -> DstateId {
-        DstateId { slot: self.ground.opposite[self.index(dstate)], ..dstate }
+        DstateId { slot: self.ways[self.index(dstate)].opposite, ..dstate }
     }
 
     /// The dstate one slot further clockwise at the same place.
     pub fn clockwise(&self, dstate: DstateId) -> DstateId {
         let next = dstate.slot.0 + 1;
-        let slot = SlotIndex(if u16::from(next) == self.ground.places[dstate.place.index()].size {
-            0
-        } else {
-            next
-        });
-        DstateId { slot, ..dstate }
+        let last = u16::from(next) == self.places[dstate.place.index()].size;
+        DstateId { slot: SlotIndex(if last { 0 } else { next }), ..dstate }
     }
 
     /// The star of a place, as it was at the first visit.
     pub fn star(&self, place: PlaceId) -> &LargeScaleStar {
-        self.ground.stars.star(self.star_id(place))
+        self.stars.star(self.star_id(place))
     }
 
     /// All places, by number.
     pub fn places(&self) -> impl Iterator<Item = PlaceId> + use<> {
-        (0..self.place_count()).filter_map(PlaceId::new)
+        PlaceId::all().take(self.place_count())
     }
 
     /// The dstates of a place, clockwise.
@@ -159,7 +150,7 @@ impl TopologicalMap {
 
     /// The number of places.
     pub fn place_count(&self) -> usize {
-        self.ground.places.len()
+        self.places.len()
     }
 
     /// The number of path segments.
@@ -174,18 +165,19 @@ impl TopologicalMap {
 
     /// The number of distinctive states.
     pub fn dstate_count(&self) -> usize {
-        self.far_ends.len()
+        self.ways.len()
+    }
+
+    /// No map yet: memory to make one in, with stars from a table.
+    pub(crate) fn blank(stars: Arc<StarTable>) -> Self {
+        TopologicalMap { stars, places: Vec::new(), ways: Vec::new(), segments: 0, closed_paths: 0 }
     }
 
     /// The map of one place, its star interned.
     pub(crate) fn first(star: &InternedStar) -> Self {
-        let none = Ground { stars: Arc::default(), places: Box::default(), opposite: Box::default() };
-        TopologicalMap {
-            ground: Arc::new(none.with(star)),
-            far_ends: iter::repeat_n(None, star.star().size()).collect(),
-            segments: 0,
-            closed_paths: 0,
-        }
+        let mut map = TopologicalMap::blank(Arc::clone(&star.table));
+        map.add_place(star);
+        map
     }
 
     /// The number the next place gets, unless the map is full.
@@ -194,44 +186,49 @@ impl TopologicalMap {
     }
 
     /// This map with place `to.place`, its next one, behind `from`. The star's table extends the map's.
-    /// The same memory serves maps that grow by one star alone.
-    pub(crate) fn grown(&self, from: DstateId, star: &InternedStar, to: DstateId, known: &mut Grown) -> Self {
-        let first = self.dstate_count();
-        let new = iter::repeat_n(None, star.star().size());
-        let mut far_ends: Arc<[_]> = self.far_ends.iter().copied().chain(new).collect();
-        let cells = Arc::make_mut(&mut far_ends);
-        cells[self.index(from)] = Some(to);
-        cells[first + to.slot.0 as usize] = Some(from);
-        TopologicalMap {
-            ground: known.with(&self.ground, star),
-            far_ends,
-            segments: self.segments + 1,
-            closed_paths: self.closed_paths,
-        }
+    pub(crate) fn grown(&self, from: DstateId, star: &InternedStar, to: DstateId) -> Self {
+        let mut map = self.clone();
+        map.grow(from, star, to);
+        map
     }
 
     /// This map with a path segment between two different dstates, both navigable and without far end.
     pub(crate) fn joined(&self, from: DstateId, to: DstateId) -> Self {
-        let mut far_ends = Arc::clone(&self.far_ends);
-        let cells = Arc::make_mut(&mut far_ends);
-        cells[self.index(from)] = Some(to);
-        cells[self.index(to)] = Some(from);
-        TopologicalMap {
-            ground: Arc::clone(&self.ground),
-            far_ends,
-            segments: self.segments + 1,
-            closed_paths: self.closed_paths + u32::from(self.other_end(from) == to),
-        }
+        let mut map = self.clone();
+        map.join(from, to);
+        map
+    }
+
+    /// Makes this map the one that [`TopologicalMap::grown`] gives.
+    pub(crate) fn grow(&mut self, from: DstateId, star: &InternedStar, to: DstateId) {
+        self.add_place(star);
+        self.add_segment(from, to);
+    }
+
+    /// Makes this map the one that [`TopologicalMap::joined`] gives.
+    pub(crate) fn join(&mut self, from: DstateId, to: DstateId) {
+        self.closed_paths += u32::from(self.closes(from, to));
+        self.add_segment(from, to);
+    }
+
+    /// Whether a path segment between two dstates without far end makes a path closed.
+    pub(crate) fn closes(&self, from: DstateId, to: DstateId) -> bool {
+        self.other_end(from) == to
     }
 
     /// Which star of the table a place has.
     pub(crate) fn star_id(&self, place: PlaceId) -> StarId {
-        self.ground.places[place.index()].star
+        self.places[place.index()].star
+    }
+
+    /// All places, by number, and which star of the table each has.
+    pub(crate) fn places_with_stars(&self) -> impl Iterator<Item = (PlaceId, StarId)> {
+        PlaceId::all().zip(self.places.iter().map(|place| place.star))
     }
 
     /// The position of a dstate among all dstates.
     pub(crate) fn index(&self, dstate: DstateId) -> usize {
-        self.ground.places[dstate.place.index()].first as usize + dstate.slot.0 as usize
+        self.places[dstate.place.index()].first as usize + dstate.slot.0 as usize
     }
 
     /// The other end of the path that ends at `end`, a dstate without far end.
@@ -243,9 +240,28 @@ impl TopologicalMap {
         at
     }
 
+    fn add_place(&mut self, star: &InternedStar) {
+        let slots = star.star().slots();
+        if !Arc::ptr_eq(&self.stars, &star.table) {
+            self.stars = Arc::clone(&star.table);
+        }
+        self.places.push(Place { star: star.id, size: slots.len() as u16, first: self.ways.len() as u32 });
+        let way = |slot: &LargeSlot| Way { far_place: None, far_slot: SlotIndex(0), opposite: slot.opposite };
+        self.ways.extend(slots.iter().map(way));
+    }
+
+    fn add_segment(&mut self, from: DstateId, to: DstateId) {
+        for (near, far) in [(from, to), (to, from)] {
+            let index = self.index(near);
+            let way = &mut self.ways[index];
+            (way.far_place, way.far_slot) = (Some(far.place), far.slot);
+        }
+        self.segments += 1;
+    }
+
     fn joinable(&self, dstate: DstateId) -> Result<(), MapError> {
-        let place = self.ground.places.get(dstate.place.index()).ok_or(MapError::UnknownDstate(dstate))?;
-        let slots = self.ground.stars.star(place.star).slots();
+        let place = self.places.get(dstate.place.index()).ok_or(MapError::UnknownDstate(dstate))?;
+        let slots = self.stars.star(place.star).slots();
         let slot = slots.get(dstate.slot.0 as usize).ok_or(MapError::UnknownDstate(dstate))?;
         if !slot.navigable {
             return Err(MapError::NotNavigable(dstate));
@@ -257,37 +273,10 @@ impl TopologicalMap {
     }
 }
 
-impl Ground {
-    /// These places and one more. The star's table extends that of the places.
-    fn with(&self, star: &InternedStar) -> Ground {
-        let slots = star.star().slots();
-        let place = Place { star: star.id, size: slots.len() as u16, first: self.opposite.len() as u32 };
-        Ground {
-            stars: Arc::clone(&star.table),
-            places: self.places.iter().copied().chain([place]).collect(),
-            opposite: self.opposite.iter().copied().chain(slots.iter().map(|slot| slot.opposite)).collect(),
-        }
-    }
-}
-
-impl Grown {
-    fn with(&mut self, ground: &Arc<Ground>, star: &InternedStar) -> Arc<Ground> {
-        if let Some([_, grown]) = self.0.iter().find(|[known, _]| Arc::ptr_eq(known, ground)) {
-            return Arc::clone(grown);
-        }
-        let grown = Arc::new(ground.with(star));
-        self.0.truncate(REMEMBERED - 1);
-        self.0.push_front([Arc::clone(ground), Arc::clone(&grown)]);
-        grown
-    }
-}
-
 impl PartialEq for TopologicalMap {
     fn eq(&self, other: &Self) -> bool {
         let same_star = |place| self.star(place) == other.star(place);
-        self.far_ends == other.far_ends
-            && self.place_count() == other.place_count()
-            && self.places().all(same_star)
+        self.ways == other.ways && self.place_count() == other.place_count() && self.places().all(same_star)
     }
 }
 
