@@ -283,6 +283,7 @@ impl Abduction {
                 false => maps.skip(),
             }
         }
+        maps.shrink();
         (maps, extension.kept, extension.refuted)
     }
 

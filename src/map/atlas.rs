@@ -40,6 +40,13 @@ impl Atlas {
         self.end_sheet(0, 0);
     }
 
+    /// Gives back the memory that more maps would have taken.
+    pub(crate) fn shrink(&mut self) {
+        self.sheets.shrink_to_fit();
+        self.places.shrink_to_fit();
+        self.ways.shrink_to_fit();
+    }
+
     /// Turns a map whose stars are from the same table, or one that extends it, into the one at a position.
     pub(crate) fn read(&self, index: usize, map: &mut TopologicalMap) {
         let before = index.checked_sub(1).map(|before| self.sheets[before]);
