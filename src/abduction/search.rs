@@ -1,10 +1,10 @@
 //! The search. Breadth-first it is exhaustive unless a limit cuts it; for the other strategy see [`Abduction::settle`].
 
-use crate::abduction::best_first::BestFirst;
 use crate::abduction::candidate::{Assignment, Candidate};
 use crate::abduction::children::{Child, Extension, Seen, turned};
 use crate::abduction::kept::Kept;
-use crate::abduction::tree::Tree;
+use crate::abduction::settle::Minimum;
+use crate::abduction::tree::{Node, Tree};
 use crate::abduction::{
     Assertion, AxiomSet, Count, Evidence, Extinction, Refutations, Report, Settlement, Simplicity,
     StopReason, Strategy, Visit, VisitError, Word, WordError,
@@ -35,15 +35,23 @@ pub struct Abduction {
     pub(super) maps_created: u64,
     /// By observation; of all together under the strategy that does not go by observations.
     pub(super) refuted: Vec<Refutations>,
-    /// The search for the simplest candidates, once it was asked for; or what refuted all at once.
-    pub(super) minimum: Option<Arc<Result<BestFirst, Refutations>>>,
-    first_cut: Option<usize>,
+    /// The search for the simplest candidates, once it was asked for.
+    pub(super) minimum: Option<Minimum>,
+    pub(super) settlement: Option<Settlement>,
+    first_cut: Option<StopReason>,
+    /// The most dstates of a candidate; zero unless memory is limited.
+    largest: usize,
 }
 
 /// Candidates that one thread extends at a time: enough to be worth a thread, and few enough to share out evenly.
 const BATCH: usize = 512;
 /// Batches whose children are in memory before they come together and are cut to the limit.
 const WAVE: usize = 64;
+
+/// While candidates are extended there are as many children as candidates, or twice as many before they are cut.
+const GATHERED: usize = 3;
+/// Of a map: a dstate's far end, its opposite, and its share of what describes its place.
+pub(super) const BYTES_OF_DSTATE: usize = 8;
 
 /// What a search may use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,6 +60,9 @@ pub struct Limits {
     pub max_candidates: Option<usize>,
     /// The most partial explanations that a search for the simplest candidates looks at.
     pub max_steps: Option<u64>,
+    /// The most bytes that the search may hold, beside the observations; counted as if candidates shared no memory.
+    /// Breadth-first it keeps the simplest candidates that fit, the next ones beside them; best-first it stops.
+    pub max_memory: Option<usize>,
 }
 
 impl Abduction {
@@ -70,7 +81,9 @@ impl Abduction {
             maps_created: 0,
             refuted: Vec::new(),
             minimum: None,
+            settlement: None,
             first_cut: None,
+            largest: 0,
         }
     }
 
@@ -109,7 +122,7 @@ impl Abduction {
                     assignment: Assignment { place: PlaceId::FIRST, rotation: 0 },
                     made: true,
                 };
-                let mut kept = Kept::new(self.limits.max_candidates, self.axioms);
+                let mut kept = Kept::new(self.most_candidates(), self.axioms);
                 kept.push(0, child);
                 self.keep(kept, Refutations::default());
             }
@@ -201,7 +214,7 @@ impl Abduction {
 
     /// What is found so far. Linear in candidates and observations.
     pub fn report(&self) -> Report {
-        let exact_at = |observation: usize| self.first_cut.is_none_or(|cut| observation < cut);
+        let exact_at = |observation: usize| self.first_cut.and_then(StopReason::observation).is_none_or(|cut| observation < cut);
         let complete = self.is_complete();
         let settlement = self.settlement();
         let proven = settlement.map_or(complete, |settlement| settlement.proven);
@@ -239,16 +252,10 @@ impl Abduction {
         self.maps = Arc::new(kept.map(|(map, _)| map.clone()).collect());
     }
 
-    /// Holds nothing until it is settled anew.
-    fn unsettle(&mut self) {
-        (self.tree, self.maps, self.minimum) = (Tree::default(), Arc::default(), None);
-        (self.maps_created, self.refuted) = (0, Vec::new());
-    }
-
     /// Extends all candidates, on all cores. Each batch of them is extended by one thread, and the batches' children
     /// come together in the order of the batches, so that nothing depends on the number of threads.
     fn extend(&mut self, seen: &Seen) {
-        let mut kept = Kept::new(self.limits.max_candidates, self.axioms);
+        let mut kept = Kept::new(self.most_candidates(), self.axioms);
         let mut refuted = Refutations::default();
         let batches: Vec<Range<usize>> =
             (0..self.len()).step_by(BATCH).map(|start| start..self.len().min(start + BATCH)).collect();
@@ -264,7 +271,7 @@ impl Abduction {
     }
 
     fn extend_batch(&self, seen: &Seen, parents: Range<usize>) -> (Kept, Refutations) {
-        let kept = Kept::new(self.limits.max_candidates, self.axioms);
+        let kept = Kept::new(self.most_candidates(), self.axioms);
         let evidence = self.evidence.as_deref();
         let refuted = Refutations::default();
         let (axioms, grown) = (self.axioms(), Grown::default());
@@ -281,19 +288,41 @@ impl Abduction {
         let observation = self.tree.depth();
         let (nodes, maps, cut) = kept.finish();
         if cut {
-            self.first_cut = self.first_cut.or(Some(observation));
+            let reason = match self.most_candidates() == self.limits.max_candidates {
+                true => StopReason::CandidateLimit { observation },
+                false => StopReason::MemoryLimit { observation },
+            };
+            self.first_cut = self.first_cut.or(Some(reason));
         }
         self.tree.push(nodes);
+        if self.limits.max_memory.is_some() {
+            self.largest = maps.iter().map(TopologicalMap::dstate_count).max().unwrap_or(0);
+        }
         self.maps = Arc::new(maps);
         self.refuted.push(refuted);
     }
 
+    /// The most candidates kept after the observation that is being made.
+    fn most_candidates(&self) -> Option<usize> {
+        let fitting = self.limits.max_memory.map(|most| {
+            let left = most.saturating_sub(self.tree.bytes());
+            (left / (GATHERED * self.bytes_of_candidate())).max(1)
+        });
+        self.limits.max_candidates.into_iter().chain(fitting).min()
+    }
+
+    /// The most bytes of a candidate that shares nothing, after one observation more.
+    fn bytes_of_candidate(&self) -> usize {
+        let next = self.stars.stars().map(|star| star.size()).max().unwrap_or(0);
+        let dstates = self.largest + next;
+        size_of::<Node>() + size_of::<TopologicalMap>() + dstates * BYTES_OF_DSTATE
+    }
+
     fn stop_reason(&self) -> StopReason {
         match (self.first_cut, self.settlement(), self.extinction()) {
-            (Some(observation), ..) => StopReason::CandidateLimit { observation },
+            (Some(cut), ..) => cut,
             (None, _, Some(Extinction { observation, .. })) => StopReason::Inconsistent { observation },
-            (None, Some(Settlement { proven: true, .. }), None) => StopReason::MinimumProven,
-            (None, Some(Settlement { steps, .. }), None) => StopReason::of_unproven(steps, self.limits),
+            (None, Some(settlement), None) => settlement.stop_reason,
             (None, None, None) if self.strategy == Strategy::BestFirst => StopReason::Interrupted,
             (None, None, None) => StopReason::Exhausted,
         }

@@ -13,6 +13,8 @@ pub struct Limits {
     pub cells_per_map: usize,
     /// The most candidates a map may keep, and the number kept unless its configuration asks for fewer.
     pub candidates_per_map: usize,
+    /// The most bytes that the search of a map may hold, and the number unless its configuration asks for fewer.
+    pub memory_per_map: usize,
     /// The most partial explanations that a search for the simplest candidates alone looks at after a batch of
     /// events.
     pub steps_per_map: u64,
@@ -31,6 +33,7 @@ impl Default for Limits {
             events_per_map: 100_000,
             cells_per_map: 64 * 1024 * 1024,
             candidates_per_map: 20_000,
+            memory_per_map: 256 * 1024 * 1024,
             steps_per_map: 100_000,
             config_bytes: 64 * 1024,
             json_bytes: 64 * 1024 * 1024,
