@@ -57,6 +57,11 @@ impl Revisable {
         Ok(())
     }
 
+    /// As [`Abduction::limit_steps`].
+    pub fn limit_steps(&mut self, most: u64) {
+        self.now.limit_steps(most);
+    }
+
     /// As [`Abduction::settle`].
     pub fn settle(&mut self, interrupted: &dyn Fn() -> bool) {
         self.now.settle(interrupted);

@@ -56,6 +56,11 @@ impl Abduction {
         self.strategy
     }
 
+    /// Sets the most partial explanations that a search for the simplest candidates looks at, from now on.
+    pub fn limit_steps(&mut self, most: u64) {
+        self.limits.max_steps = Some(most);
+    }
+
     /// Looks for the simplest candidates, until they are proven to be that, the limit on steps is reached, or
     /// `interrupted` says so; goes on from there when asked again. What was found by then is what the abduction
     /// holds. An abduction that is exhaustive holds all there is at any time.

@@ -191,7 +191,12 @@ impl Map {
     fn search(&self, input: Events, axioms: AxiomSet, strategy: Strategy) -> Result<Explained, Failure> {
         let max_candidates = usize::try_from(self.max_candidates).unwrap_or(usize::MAX);
         // What one process reads for one user is bounded by the input itself.
-        let limits = Limits { events_per_map: usize::MAX, cells_per_map: usize::MAX, ..Limits::default() };
+        let limits = Limits {
+            events_per_map: usize::MAX,
+            cells_per_map: usize::MAX,
+            steps_per_map: u64::MAX,
+            ..Limits::default()
+        };
         let (max_memory, max_steps) = (self.max_memory, self.max_steps);
         let config = MapConfig { axioms, strategy, max_candidates, max_memory, max_steps };
         let mut session = Session::new(config, limits);

@@ -18,7 +18,7 @@ pub struct MapConfig {
     pub max_candidates: usize,
     /// The most bytes that the search may hold, beside the observations.
     pub max_memory: Option<usize>,
-    /// The most partial explanations looked at for the simplest candidates.
+    /// The most partial explanations looked at for the simplest candidates, where the limits allow as many.
     pub max_steps: Option<u64>,
 }
 
@@ -72,8 +72,8 @@ impl WireMapConfig {
         let axioms = self.axiom_set()?;
         let max_candidates = within(self.max_candidates, limits.candidates_per_map, "/max_candidates")?;
         let max_memory = Some(within(self.max_memory, limits.memory_per_map, "/max_memory")?);
-        let (strategy, max_steps) = (self.strategy.into(), Some(limits.steps_per_map));
-        Ok(MapConfig { axioms, strategy, max_candidates, max_memory, max_steps })
+        let strategy = self.strategy.into();
+        Ok(MapConfig { axioms, strategy, max_candidates, max_memory, max_steps: None })
     }
 
     fn axiom_set(&self) -> Result<AxiomSet, EventError> {

@@ -129,6 +129,8 @@ impl Session {
 
     /// Finds the simplest candidates, where the strategy leaves that to the end; see [`Abduction::settle`].
     pub fn settle(&mut self, interrupted: &dyn Fn() -> bool) {
+        let most = self.limits.steps(self.abduction.observations());
+        self.abduction.limit_steps(self.config.max_steps.map_or(most, |asked| asked.min(most)));
         self.abduction.settle(interrupted);
     }
 

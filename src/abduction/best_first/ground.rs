@@ -7,7 +7,8 @@ use crate::abduction::{AxiomId, AxiomSet, Refutations, Visit};
 /// A walk, its quotient, and of every two classes whether they might be one place at all.
 ///
 /// A visit is asked for, with each class before it, when the walk has come to it and no further: what cannot be then
-/// cannot be later. So what is known depends on the walk alone, and a visit costs its own row of questions.
+/// cannot be later. So what is known depends on the walk alone, and a visit costs its own row of questions. They save work
+/// later, and no answer rests on them; so a row that takes too long is broken off.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Ground {
     pub(super) walk: Walk,
@@ -18,6 +19,9 @@ pub(super) struct Ground {
     pub(super) broken: Option<AxiomId>,
 }
 
+/// The most pairs of classes compared for a row: some milliseconds.
+const MOST_COMPARED: u64 = 1 << 20;
+
 impl Ground {
     /// Goes on to a visit. Linear in the visits, times folding. To be called when nothing is decided.
     pub(super) fn push(&mut self, visit: &Visit, axioms: AxiomSet) {
@@ -27,7 +31,7 @@ impl Ground {
         }
         self.broken = self.quotient.push(&self.walk, axioms).err();
         let class = self.walk.len() - 1;
-        if self.broken.is_none() && self.quotient.class(class).0 == class {
+        if self.broken.is_none() && self.quotient.class(class).0 == class && self.walk.tracked(class) {
             self.tell_apart(class, axioms);
         }
         self.quotient.commit();
@@ -88,7 +92,11 @@ impl Ground {
     fn tell_apart(&mut self, class: usize, axioms: AxiomSet) {
         let mut refuted = self.refuted;
         let before: Vec<usize> = self.quotient.classes(&self.walk).filter(|&onto| onto < class).collect();
+        let compared = self.quotient.compared();
         for onto in before {
+            if self.quotient.compared() - compared > MOST_COMPARED {
+                break;
+            }
             for rotation in self.rotations(class, onto) {
                 let _ = self.probe([class, onto, rotation], axioms, &mut refuted, |_, _| Ok(()));
             }

@@ -42,7 +42,7 @@ const FOLDED: [AxiomId; 5] =
     [AxiomId::Determinism, AxiomId::StarMatch, AxiomId::TravelMoves, AxiomId::PathOrder, AxiomId::Planarity];
 
 /// The most steps to each visit of the first round.
-const DIVE: u64 = 4;
+const DIVE: u64 = 16;
 
 /// A search for the simplest maps of one experience. It can stop at any time and go on later, and what it knows of a
 /// walk serves when the walk goes on.
@@ -228,12 +228,11 @@ impl BestFirst {
         self.end_dive();
     }
 
-    /// The first round has no limit; it is to find some map, and no more.
+    /// The first round has no limit; it is to find some map that is not bad, and all if that is quick.
     fn end_dive(&mut self) {
         let most = DIVE * self.experience.visits.len() as u64;
-        let long = self.found.simplicity().is_some() || self.effort.steps >= most;
         if self.round.is_unlimited()
-            && long
+            && self.effort.steps >= most
             && let Some(root) = self.agenda.first()
         {
             self.begin(Round::after_dive(root.bound, self.effort.steps));

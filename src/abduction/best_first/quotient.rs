@@ -38,6 +38,8 @@ pub(super) struct Quotient {
     pass: u64,
     merges: Vec<Merge>,
     touched: Vec<usize>,
+    /// Pairs of classes compared so far.
+    compared: u64,
 }
 
 /// A state to come back to.
@@ -156,6 +158,11 @@ impl Quotient {
         self.roots.extend(classes.iter().map(|&class| class as u16));
     }
 
+    /// What merging has cost so far, in pairs of classes compared. Undoing does not take it back.
+    pub(super) fn compared(&self) -> u64 {
+        self.compared
+    }
+
     /// The number of classes.
     pub(super) fn count(&self) -> usize {
         self.count.get(0)
@@ -257,6 +264,7 @@ impl Quotient {
         let absorbed = !self.settled.get(a) && (self.settled.get(b) || b < a);
         let (from, to, rotation) =
             if absorbed { (a, b, rotation) } else { (b, a, wrapped(size - rotation, size)) };
+        self.compared += self.roots.len() as u64;
         if !walk.matches(from, to).contains(&(rotation as u8)) {
             return Err(AxiomId::StarMatch);
         }

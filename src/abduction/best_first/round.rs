@@ -7,7 +7,7 @@ use crate::abduction::Simplicity;
 ///
 /// Maps of more paths than a limit are passed over; if the simplest map is not found within it, the next round has a higher one. A
 /// search without limit that comes upon no good map early looks at much that no proof needs. Only the first round
-/// has no limit, and ends soon: it finds some map, if not a simple one.
+/// has no limit, and ends soon: it finds some map, if not the simplest one.
 ///
 /// Law: what a round passes over is no simpler than `beyond`. So once that is none, or the simplest map found is simpler, the search
 /// is at its end.
