@@ -64,6 +64,18 @@ proptest! {
         }
     }
 
+    /// Longer walks than all axiom sets allow: planarity leaves fewer candidates.
+    #[test]
+    fn what_planarity_rules_out_early_is_no_minimum(walk in tangled_walks(16), grid in grid_walks(28)) {
+        for seen in [&walk.visits, &grid.visits] {
+            for axioms in [AxiomSet::of(Profile::Default), AxiomSet::of(Profile::Default).with_boundary(Some(Boundary::Hard))] {
+                let few = |length: &usize| explain(&seen[..*length], axioms).len() <= 1000;
+                let seen = &seen[..(1..=seen.len()).take_while(few).last().unwrap_or(1)];
+                agree(&settled(seen, axioms), &explain(seen, axioms))?;
+            }
+        }
+    }
+
     #[test]
     fn the_operators_word_is_held(
         walk in tangled_walks(9), said in prop::collection::vec((any::<usize>(), any::<usize>(), any::<bool>()), 1..4)

@@ -296,7 +296,7 @@ impl BestFirst {
         let faces = self.experience.axioms.contains(AxiomId::Planarity).then_some(&self.faces);
         let (round, found) = (&mut self.round, &self.found);
         let mut may_be_new = |class: usize| round.admits(bounds.with_new(walk, class), found);
-        match self.location.narrow(walk, quotient, faces, &mut may_be_new, &lists.settled, &lists.open) {
+        match self.location.narrow(walk, quotient, faces, &mut may_be_new, [&lists.settled, &lists.open]) {
             Ok(()) => true,
             Err(axiom) => {
                 axiom.into_iter().for_each(|axiom| self.effort.refuted.count(axiom));
