@@ -64,6 +64,18 @@ proptest! {
         }
     }
 
+    /// Longer walks than all axiom sets allow: planarity leaves fewer candidates.
+    #[test]
+    fn what_planarity_rules_out_early_is_no_minimum(walk in tangled_walks(16), grid in grid_walks(28)) {
+        for seen in [&walk.visits, &grid.visits] {
+            for axioms in [AxiomSet::of(Profile::Default), AxiomSet::of(Profile::Default).with_boundary(Some(Boundary::Hard))] {
+                let few = |length: &usize| explain(&seen[..*length], axioms).len() <= 1000;
+                let seen = &seen[..(1..=seen.len()).take_while(few).last().unwrap_or(1)];
+                agree(&settled(seen, axioms), &explain(seen, axioms))?;
+            }
+        }
+    }
+
     #[test]
     fn the_operators_word_is_held(
         walk in tangled_walks(9), said in prop::collection::vec((any::<usize>(), any::<usize>(), any::<bool>()), 1..4)
@@ -85,7 +97,7 @@ proptest! {
         let axioms = AxiomSet::of(Profile::Paper);
         let whole = settled(&walk.visits, axioms);
         let least = whole.report().simplicity.unwrap();
-        let limits = Limits { max_steps: Some(most), max_candidates: None };
+        let limits = Limits { max_steps: Some(most), ..Limits::default() };
         let mut cut = unsettled(&walk.visits, axioms, limits);
         cut.settle(&|| false);
         let (settlement, report) = (cut.settlement().unwrap(), cut.report());
@@ -107,8 +119,63 @@ proptest! {
     }
 
     #[test]
+    fn it_is_all_the_same_when_it_is_settled(
+        walk in tangled_walks(9), grid in grid_walks(16), settled_at in prop::collection::vec(any::<bool>(), 17)
+    ) {
+        for (seen, axioms) in [(&walk.visits, AxiomSet::built_in()), (&grid.visits, AxiomSet::of(Profile::Default))] {
+            let mut often = Abduction::best_first(axioms, Limits::default());
+            for (visit, &settle) in seen.iter().zip(&settled_at) {
+                often.observe(visit).unwrap();
+                if settle {
+                    often.settle(&|| false);
+                    prop_assert!(often.report().proven);
+                }
+            }
+            often.settle(&|| false);
+            prop_assert_eq!(often.report(), settled(&seen[..often.observations()], axioms).report());
+        }
+    }
+
+    #[test]
+    fn memory_cuts_honestly(walk in grid_walks(14), kilobytes in 1..24usize) {
+        let axioms = AxiomSet::of(Profile::Paper);
+        let limits = Limits { max_memory: Some(kilobytes << 10), ..Limits::default() };
+        let mut found = unsettled(&walk.visits, axioms, limits);
+        found.settle(&|| false);
+        let (report, whole) = (found.report(), settled(&walk.visits, axioms).report());
+        match report.proven {
+            true => prop_assert_eq!(report, whole),
+            false => {
+                let observation = walk.visits.len() - 1;
+                prop_assert_eq!(report.stop_reason, StopReason::MemoryLimit { observation });
+                prop_assert!(!report.unique && report.candidates.relation == Relation::AtLeast);
+                prop_assert!(report.simplicity.is_none_or(|found| found >= whole.simplicity.unwrap()));
+                prop_assert!(found.settlement().unwrap().bound <= whole.simplicity);
+            }
+        }
+    }
+
+    #[test]
+    fn ties_beyond_the_limit_are_cut_honestly(walk in tangled_walks(9), limit in 1..4usize) {
+        let axioms = AxiomSet::built_in();
+        let seen = exhaustible(&walk.visits);
+        let whole = settled(seen, axioms).report();
+        let mut found = unsettled(seen, axioms, Limits { max_candidates: Some(limit), ..Limits::default() });
+        found.settle(&|| false);
+        let report = found.report();
+        if whole.minimal.len() <= limit {
+            prop_assert_eq!(report, whole);
+            return Ok(());
+        }
+        let cut = StopReason::CandidateLimit { observation: seen.len() - 1 };
+        prop_assert_eq!((report.stop_reason, report.proven, report.unique), (cut, false, false));
+        prop_assert_eq!(&report.minimal[..], &whole.minimal[..limit]);
+        prop_assert_eq!(found.settlement().unwrap().bound, whole.simplicity);
+    }
+
+    #[test]
     fn candidates_do_not_depend_on_the_number_of_threads(walk in grid_walks(14), limit in 1..3000usize) {
-        let limits = [Limits::default(), Limits { max_candidates: Some(limit), max_steps: None }];
+        let limits = [Limits::default(), Limits { max_candidates: Some(limit), ..Limits::default() }];
         for (axioms, limits) in [AxiomSet::built_in(), AxiomSet::of(Profile::Default)].into_iter().zip(limits) {
             let search = |threads: usize| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -152,11 +219,11 @@ fn recorded_traces() {
 /// minimum rests on the searches above, which are compared with exhaustive ones.
 #[test]
 fn a_walk_too_long_for_exhaustive_search() {
-    let mut abduction = unsettled(&visits("grid6x6-64"), AxiomSet::of(Profile::Paper), Limits::default());
-    abduction.settle(&|| false);
-    let report = abduction.report();
-    assert_eq!(report.simplicity, Some(Simplicity { abnormalities: None, paths: 6, places: 16 }));
-    assert_eq!((report.minimal.len(), report.proven, report.unique), (4, true, false));
+    for (profile, places, ties) in [(Profile::Paper, 16, 4), (Profile::Default, 18, 1)] {
+        let report = settled(&visits("grid6x6-64"), AxiomSet::of(profile)).report();
+        assert_eq!(report.simplicity, Some(Simplicity { abnormalities: None, paths: 6, places }));
+        assert_eq!((report.minimal.len(), report.proven, report.unique), (ties, true, ties == 1));
+    }
 }
 
 #[test]

@@ -361,7 +361,7 @@ fn what_was_cut_is_said() {
     let visits = crate::traces::visits("aces-stars");
     let all = explain(&visits, AxiomSet::of(Profile::Paper));
     let mut few =
-        Abduction::new(AxiomSet::of(Profile::Paper), Limits { max_candidates: Some(3), max_steps: None });
+        Abduction::new(AxiomSet::of(Profile::Paper), Limits { max_candidates: Some(3), ..Limits::default() });
     visits.iter().for_each(|visit| few.observe(visit).unwrap());
     let cut = all.candidates().filter(|it| verdict(&few, &it.visits) == Some(Verdict::Cut)).count();
     assert_eq!(cut, 32);

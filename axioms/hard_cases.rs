@@ -91,7 +91,7 @@ fn a_budget_gives_an_answer_and_says_what_it_is() {
     let mut visits = vec![visit(None, star, 1)];
     visits.extend(moves.map(|way| visit(Some(way), star, way)));
     let axioms = AxiomSet::of(Profile::Default);
-    let mut abduction = Abduction::new(axioms, Limits { max_candidates: Some(1000), max_steps: None });
+    let mut abduction = Abduction::new(axioms, Limits { max_candidates: Some(1000), ..Limits::default() });
     let exact = explain(&visits[..8], axioms).report();
     for (observation, visit) in visits.iter().enumerate() {
         abduction.observe(visit).unwrap();

@@ -111,7 +111,7 @@ proptest! {
         let axioms = AxiomSet::of(Profile::Paper);
         let visits = affordable(&walk.visits, axioms);
         let exact = explain(visits, axioms).report();
-        let mut abduction = Abduction::new(axioms, Limits { max_candidates: Some(limit), max_steps: None });
+        let mut abduction = Abduction::new(axioms, Limits { max_candidates: Some(limit), ..Limits::default() });
         visits.iter().for_each(|visit| abduction.observe(visit).unwrap());
         let report = abduction.report();
         let counts = report.candidates_per_observation.iter().zip(&exact.candidates_per_observation);

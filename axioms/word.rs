@@ -132,7 +132,7 @@ proptest! {
                 if visits.len() < 2 {
                     continue;
                 }
-                let limits = Limits { max_candidates: limit, max_steps: None };
+                let limits = Limits { max_candidates: limit, ..Limits::default() };
                 let word = sayable(&word, visits.len());
                 let [taken, never] = [true, false].map(|back| told(visits, axioms, limits, &word, back));
                 prop_assert_eq!(bytes(&taken), bytes(&never));

@@ -46,6 +46,11 @@ impl Kept {
         self.cut_to_slack();
     }
 
+    /// The most places of a map; zero without a limit.
+    pub(super) fn most_places(&self) -> usize {
+        self.simplicities.iter().map(|simplicity| simplicity.places).max().unwrap_or(0)
+    }
+
     /// The simplest, and of equally simple ones the first, in their order, and whether any was cut.
     pub(super) fn finish(mut self) -> (Vec<Node>, bool) {
         self.cut_to_limit();

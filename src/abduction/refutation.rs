@@ -34,6 +34,13 @@ impl Refutations {
         self.counts.iter().sum::<u64>() + self.operator
     }
 
+    /// One refutation.
+    pub(super) fn of(id: AxiomId) -> Refutations {
+        let mut refuted = Refutations::default();
+        refuted.count(id);
+        refuted
+    }
+
     pub(super) fn count(&mut self, id: AxiomId) {
         self.counts[id as usize] += 1;
     }

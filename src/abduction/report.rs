@@ -1,7 +1,7 @@
 //! What an abduction has found.
 
 use crate::abduction::{
-    Assertion, AxiomId, AxiomSet, Candidate, Limits, Refutations, Settlement, Simplicity, Strategy, Word,
+    Assertion, AxiomId, AxiomSet, Candidate, Refutations, Settlement, Simplicity, Strategy, Word,
 };
 use crate::map::CanonicalMap;
 use std::collections::BTreeSet;
@@ -81,7 +81,12 @@ pub enum StopReason {
     Interrupted,
     /// The limit on candidates cut the search.
     CandidateLimit {
-        /// The first observation at which it did.
+        /// The first observation at which it did; by the strategy that does not go by observations, the latest.
+        observation: usize,
+    },
+    /// The limit on memory cut the search.
+    MemoryLimit {
+        /// The first observation at which it did; by the strategy that does not go by observations, the latest.
         observation: usize,
     },
     /// No candidate was left, and none had been cut: the axioms do not allow the trace.
@@ -114,11 +119,13 @@ impl Report {
 }
 
 impl StopReason {
-    /// Why a search for the simplest candidates ended without proof.
-    pub(super) fn of_unproven(steps: u64, limits: Limits) -> StopReason {
-        match limits.max_steps.is_some_and(|most| steps >= most) {
-            true => StopReason::StepLimit,
-            false => StopReason::Interrupted,
+    /// The observation it names.
+    pub fn observation(self) -> Option<usize> {
+        match self {
+            StopReason::CandidateLimit { observation }
+            | StopReason::MemoryLimit { observation }
+            | StopReason::Inconsistent { observation } => Some(observation),
+            _ => None,
         }
     }
 }

@@ -50,11 +50,16 @@ impl Revisable {
 
     /// As [`Abduction::assert`].
     pub fn assert(&mut self, assertion: Assertion) -> Result<(), WordError> {
-        let before = self.now.clone();
+        let before = self.now.for_readers();
         self.now.assert(assertion)?;
         self.undo.push(Undo { id: assertion.id, before, step: self.since.len() });
         self.since.push(Step::Asserted(assertion));
         Ok(())
+    }
+
+    /// As [`Abduction::limit_steps`].
+    pub fn limit_steps(&mut self, most: u64) {
+        self.now.limit_steps(most);
     }
 
     /// As [`Abduction::settle`].

@@ -1,10 +1,10 @@
 //! The search. Breadth-first it is exhaustive unless a limit cuts it; for the other strategy see [`Abduction::settle`].
 
-use crate::abduction::best_first::BestFirst;
 use crate::abduction::candidate::{Assignment, Candidate};
 use crate::abduction::children::{Extension, Seen, turned};
 use crate::abduction::kept::Kept;
 use crate::abduction::leaves::{BATCH, LeafMaps};
+use crate::abduction::settle::Minimum;
 use crate::abduction::tree::{Node, Tree};
 use crate::abduction::{
     Assertion, AxiomSet, Count, Evidence, Extinction, Refutations, Report, Settlement, Simplicity,
@@ -36,13 +36,21 @@ pub struct Abduction {
     pub(super) maps_created: u64,
     /// By observation; of all together under the strategy that does not go by observations.
     pub(super) refuted: Vec<Refutations>,
-    /// The search for the simplest candidates, once it was asked for; or what refuted all at once.
-    pub(super) minimum: Option<Arc<Result<BestFirst, Refutations>>>,
-    first_cut: Option<usize>,
+    /// The search for the simplest candidates, once it was asked for.
+    pub(super) minimum: Option<Minimum>,
+    pub(super) settlement: Option<Settlement>,
+    first_cut: Option<StopReason>,
+    /// The most places of a candidate; zero unless the number of candidates is limited.
+    most_places: usize,
 }
 
 /// Batches whose children are in memory before they come together and are cut to the limit.
 const WAVE: usize = 64;
+
+/// While candidates are extended there are as many children as candidates, or twice as many before they are cut.
+const GATHERED: usize = 3;
+/// Of a map: a dstate's far end, its opposite, and its share of what describes its place.
+pub(super) const BYTES_OF_DSTATE: usize = 8;
 
 /// What a search may use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -51,6 +59,9 @@ pub struct Limits {
     pub max_candidates: Option<usize>,
     /// The most partial explanations that a search for the simplest candidates looks at.
     pub max_steps: Option<u64>,
+    /// The most bytes that the search may hold, beside the observations; counted as if candidates shared no memory.
+    /// Breadth-first it keeps the simplest candidates that fit, the next ones beside them; best-first it stops.
+    pub max_memory: Option<usize>,
 }
 
 impl Abduction {
@@ -69,7 +80,9 @@ impl Abduction {
             maps_created: 0,
             refuted: Vec::new(),
             minimum: None,
+            settlement: None,
             first_cut: None,
+            most_places: 0,
         }
     }
 
@@ -104,7 +117,7 @@ impl Abduction {
             _ if self.strategy == Strategy::BestFirst => self.unsettle(),
             None => {
                 let assignment = Assignment { place: PlaceId::FIRST, rotation: 0 };
-                let (map, mut kept) = (TopologicalMap::first(&star), Kept::new(self.limits.max_candidates));
+                let (map, mut kept) = (TopologicalMap::first(&star), Kept::new(self.most_candidates()));
                 kept.push(Node { parent: 0, assignment }, true, || Simplicity::of(&map, self.axioms));
                 self.keep(kept, Refutations::default(), LeafMaps::first(&map));
             }
@@ -196,7 +209,7 @@ impl Abduction {
 
     /// What is found so far. Linear in candidates and observations.
     pub fn report(&self) -> Report {
-        let exact_at = |observation: usize| self.first_cut.is_none_or(|cut| observation < cut);
+        let exact_at = |observation: usize| self.first_cut.and_then(StopReason::observation).is_none_or(|cut| observation < cut);
         let complete = self.is_complete();
         let settlement = self.settlement();
         let proven = settlement.map_or(complete, |settlement| settlement.proven);
@@ -232,16 +245,10 @@ impl Abduction {
         self.tree.prune(keep);
     }
 
-    /// Holds nothing until it is settled anew.
-    fn unsettle(&mut self) {
-        (self.tree, self.maps, self.minimum) = (Tree::default(), LeafMaps::default(), None);
-        (self.maps_created, self.refuted) = (0, Vec::new());
-    }
-
     /// Extends all candidates, on all cores. Each batch of them is extended by one thread, and the batches' children
     /// come together in the order of the batches, so that nothing depends on the number of threads.
     fn extend(&mut self, seen: Seen) {
-        let mut kept = Kept::new(self.limits.max_candidates);
+        let mut kept = Kept::new(self.most_candidates());
         let mut refuted = Refutations::default();
         let mut maps = Vec::new();
         let batches: Vec<Range<usize>> =
@@ -261,9 +268,14 @@ impl Abduction {
     fn keep(&mut self, kept: Kept, refuted: Refutations, maps: LeafMaps) {
         let observation = self.tree.depth();
         self.maps_created += kept.made;
+        self.most_places = kept.most_places();
         let (nodes, cut) = kept.finish();
         if cut {
-            self.first_cut = self.first_cut.or(Some(observation));
+            let reason = match self.most_candidates() == self.limits.max_candidates {
+                true => StopReason::CandidateLimit { observation },
+                false => StopReason::MemoryLimit { observation },
+            };
+            self.first_cut = self.first_cut.or(Some(reason));
         }
         self.tree.push(nodes);
         self.maps = maps;
@@ -272,7 +284,7 @@ impl Abduction {
 
     /// The children of some candidates, and the maps of those that have any.
     fn extend_batch(&self, seen: &Seen, parents: Range<usize>) -> (Atlas, Kept, Refutations) {
-        let kept = Kept::new(self.limits.max_candidates);
+        let kept = Kept::new(self.most_candidates());
         let mut extension = Extension::new(seen, self.axioms(), self.evidence.as_deref(), kept);
         let (mut maps, mut map) = (Atlas::with_capacity(parents.len()), self.blank());
         for parent in parents {
@@ -301,12 +313,27 @@ impl Abduction {
         TopologicalMap::blank(Arc::clone(&self.stars))
     }
 
+    /// The most candidates kept after the observation that is being made.
+    fn most_candidates(&self) -> Option<usize> {
+        let fitting = self.limits.max_memory.map(|most| {
+            let left = most.saturating_sub(self.tree.bytes());
+            (left / (GATHERED * self.bytes_of_candidate())).max(1)
+        });
+        self.limits.max_candidates.into_iter().chain(fitting).min()
+    }
+
+    /// The most bytes of a candidate that shares nothing, after one observation more.
+    fn bytes_of_candidate(&self) -> usize {
+        let star = self.stars.stars().map(|star| star.size()).max().unwrap_or(0);
+        let dstates = (self.most_places + 1) * star;
+        size_of::<Node>() + size_of::<Simplicity>() + size_of::<TopologicalMap>() + dstates * BYTES_OF_DSTATE
+    }
+
     fn stop_reason(&self) -> StopReason {
         match (self.first_cut, self.settlement(), self.extinction()) {
-            (Some(observation), ..) => StopReason::CandidateLimit { observation },
+            (Some(cut), ..) => cut,
             (None, _, Some(Extinction { observation, .. })) => StopReason::Inconsistent { observation },
-            (None, Some(Settlement { proven: true, .. }), None) => StopReason::MinimumProven,
-            (None, Some(Settlement { steps, .. }), None) => StopReason::of_unproven(steps, self.limits),
+            (None, Some(settlement), None) => settlement.stop_reason,
             (None, None, None) if self.strategy == Strategy::BestFirst => StopReason::Interrupted,
             (None, None, None) => StopReason::Exhausted,
         }

@@ -52,6 +52,11 @@ impl Tree {
         self.layers.iter().map(|layer| layer.len())
     }
 
+    /// Bytes of all nodes.
+    pub(super) fn bytes(&self) -> usize {
+        self.widths().sum::<usize>() * size_of::<Node>()
+    }
+
     /// Adds the nodes of one more observation.
     pub(super) fn push(&mut self, layer: Vec<Node>) {
         self.layers.push(layer.into());

@@ -52,6 +52,10 @@ pub(super) struct Map {
     /// made. Counts say when this cut the search.
     #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
     pub(super) max_candidates: u64,
+    /// The most bytes that the search may hold, or KiB, MiB, GiB with a K, M or G behind the number: candidates, counted
+    /// as if they shared no memory, and what a search for the simplest ones remembers.
+    #[arg(long, value_name = "BYTES", value_parser = bytes)]
+    max_memory: Option<usize>,
     /// With --strategy best-first: the most partial explanations looked at.
     #[arg(long, value_name = "N")]
     max_steps: Option<u64>,
@@ -142,7 +146,7 @@ impl Map {
         if views {
             let for_stars = self.axioms.is_some() || self.boundary.is_some();
             let reasons = self.explain.is_some() || !self.asserts.is_empty();
-            let steps = self.max_steps.is_some() || self.max_seconds.is_some();
+            let steps = self.max_steps.is_some() || self.max_seconds.is_some() || self.max_memory.is_some();
             return match self.profile {
                 _ if for_stars => {
                     Err(self.misfit("is a trace of views, which holds the axioms of profile classic"))
@@ -187,9 +191,15 @@ impl Map {
     fn search(&self, input: Events, axioms: AxiomSet, strategy: Strategy) -> Result<Explained, Failure> {
         let max_candidates = usize::try_from(self.max_candidates).unwrap_or(usize::MAX);
         // What one process reads for one user is bounded by the input itself.
-        let limits = Limits { events_per_map: usize::MAX, cells_per_map: usize::MAX, ..Limits::default() };
-        let max_steps = self.max_steps;
-        let mut session = Session::new(MapConfig { axioms, strategy, max_candidates, max_steps }, limits);
+        let limits = Limits {
+            events_per_map: usize::MAX,
+            cells_per_map: usize::MAX,
+            steps_per_map: u64::MAX,
+            ..Limits::default()
+        };
+        let (max_memory, max_steps) = (self.max_memory, self.max_steps);
+        let config = MapConfig { axioms, strategy, max_candidates, max_memory, max_steps };
+        let mut session = Session::new(config, limits);
         let bar = progress(input.events.len());
         let (mut events, mut fault) = (Vec::new(), input.fault);
         for (place, event) in input.events {
@@ -324,6 +334,31 @@ fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A number of bytes on the command line.
+fn bytes(text: &str) -> Result<usize, String> {
+    let (number, unit) = match text.char_indices().next_back() {
+        Some((end, 'K')) => (&text[..end], 1 << 10),
+        Some((end, 'M')) => (&text[..end], 1 << 20),
+        Some((end, 'G')) => (&text[..end], 1 << 30),
+        _ => (text, 1),
+    };
+    let number: usize =
+        number.parse().map_err(|_| format!("`{text}` is no number of bytes, expected such as 64M"))?;
+    number.checked_mul(unit).filter(|&bytes| bytes > 0).ok_or_else(|| format!("{text} is out of range"))
+}
+
+/// A search that a limit cut.
+fn cut(limit: &str, report: &Report, observation: usize) -> Failure {
+    Failure::Limit(match report.strategy {
+        Strategy::BreadthFirst => format!(
+            "{limit} cut the search at observation {observation}: counts from there on are lower bounds"
+        ),
+        Strategy::BestFirst => {
+            format!("{limit} cut the search: what is shown is the simplest of what was found")
+        }
+    })
+}
+
 fn verdict(report: &Report) -> Result<(), Failure> {
     match report.stop_reason {
         StopReason::Exhausted | StopReason::MinimumProven => Ok(()),
@@ -334,9 +369,8 @@ fn verdict(report: &Report) -> Result<(), Failure> {
                 "{limit} ended the search: the preferred map is the simplest found, not proven to be the simplest"
             )))
         }
-        StopReason::CandidateLimit { observation } => Err(Failure::Limit(format!(
-            "--max-candidates cut the search at observation {observation}: counts from there on are lower bounds"
-        ))),
+        StopReason::CandidateLimit { observation } => Err(cut("--max-candidates", report, observation)),
+        StopReason::MemoryLimit { observation } => Err(cut("--max-memory", report, observation)),
         StopReason::Inconsistent { observation } => {
             let end = report
                 .extinction

@@ -143,6 +143,8 @@ pub enum StopReason {
     CandidateLimit,
     /// The simplest candidates are proven to be that; no others were followed.
     MinimumProven,
+    /// The limit on memory cut or ended the search.
+    MemoryLimit,
     /// The limit on steps ended the search for the simplest candidates.
     StepLimit,
     /// The time was up.
@@ -245,6 +247,7 @@ impl StopReason {
             abduction::StopReason::StepLimit => Some(StopReason::StepLimit),
             abduction::StopReason::Interrupted => Some(StopReason::Interrupted),
             abduction::StopReason::CandidateLimit { .. } => Some(StopReason::CandidateLimit),
+            abduction::StopReason::MemoryLimit { .. } => Some(StopReason::MemoryLimit),
             abduction::StopReason::Inconsistent { .. } => Some(StopReason::Inconsistent),
         }
     }

@@ -13,8 +13,10 @@ pub struct Limits {
     pub cells_per_map: usize,
     /// The most candidates a map may keep, and the number kept unless its configuration asks for fewer.
     pub candidates_per_map: usize,
-    /// The most partial explanations that a search for the simplest candidates alone looks at after a batch of
-    /// events.
+    /// The most bytes that the search of a map may hold, and the number unless its configuration asks for fewer.
+    pub memory_per_map: usize,
+    /// The most partial explanations that a search for the simplest candidates alone looks at, on a walk of
+    /// [`Limits::SHORT`] observations or fewer; see [`Limits::steps`].
     pub steps_per_map: u64,
     /// Bytes of a configuration.
     pub config_bytes: usize,
@@ -24,6 +26,21 @@ pub struct Limits {
     pub line_bytes: usize,
 }
 
+impl Limits {
+    /// The observations of a walk that is short.
+    pub const SHORT: usize = 64;
+
+    /// The most partial explanations looked at on a walk of so many observations. One of them costs about the square of
+    /// these, so that long walks have fewer, but never fewer than it takes to find some candidate.
+    pub fn steps(&self, observations: usize) -> u64 {
+        let short = Limits::SHORT.pow(2) as u128;
+        let square = (observations as u128).pow(2).max(short);
+        let fewer = u128::from(self.steps_per_map) * short / square;
+        let least = self.steps_per_map.min(2 * observations as u64);
+        u64::try_from(fewer).unwrap_or(u64::MAX).max(least)
+    }
+}
+
 impl Default for Limits {
     fn default() -> Self {
         Limits {
@@ -31,6 +48,7 @@ impl Default for Limits {
             events_per_map: 100_000,
             cells_per_map: 64 * 1024 * 1024,
             candidates_per_map: 20_000,
+            memory_per_map: 256 * 1024 * 1024,
             steps_per_map: 100_000,
             config_bytes: 64 * 1024,
             json_bytes: 64 * 1024 * 1024,

@@ -16,7 +16,9 @@ pub struct MapConfig {
     pub strategy: Strategy,
     /// The most candidates kept after an observation.
     pub max_candidates: usize,
-    /// The most partial explanations looked at for the simplest candidates.
+    /// The most bytes that the search may hold, beside the observations.
+    pub max_memory: Option<usize>,
+    /// The most partial explanations looked at for the simplest candidates, where the limits allow as many.
     pub max_steps: Option<u64>,
 }
 
@@ -36,6 +38,10 @@ pub struct WireMapConfig {
     /// The most candidates kept after an observation, the simplest ones.
     #[schema(minimum = 1)]
     pub max_candidates: Option<u64>,
+    /// The most bytes that the search may hold: candidates, counted as if they shared no memory, and what a search
+    /// for the simplest ones remembers. What does not fit cuts the search as the limit on candidates does.
+    #[schema(minimum = 1)]
+    pub max_memory: Option<u64>,
 }
 
 /// A choice of axioms with a name.
@@ -64,17 +70,10 @@ impl WireMapConfig {
     /// The choices, or what is wrong with them.
     pub fn config(&self, limits: &Limits) -> Result<MapConfig, EventError> {
         let axioms = self.axiom_set()?;
-        let bound = limits.candidates_per_map;
-        let asked = self.max_candidates.map_or(Some(bound), |asked| usize::try_from(asked).ok());
-        match asked.filter(|asked| (1..=bound).contains(asked)) {
-            Some(max_candidates) => {
-                let (strategy, max_steps) = (self.strategy.into(), Some(limits.steps_per_map));
-                Ok(MapConfig { axioms, strategy, max_candidates, max_steps })
-            }
-            None => {
-                Err(EventError::new("/max_candidates", format!("is out of range, expected 1 to {bound}")))
-            }
-        }
+        let max_candidates = within(self.max_candidates, limits.candidates_per_map, "/max_candidates")?;
+        let max_memory = Some(within(self.max_memory, limits.memory_per_map, "/max_memory")?);
+        let strategy = self.strategy.into();
+        Ok(MapConfig { axioms, strategy, max_candidates, max_memory, max_steps: None })
     }
 
     fn axiom_set(&self) -> Result<AxiomSet, EventError> {
@@ -93,6 +92,13 @@ impl WireMapConfig {
         let parsed: Result<AxiomSet, AxiomError> = names.join(",").parse();
         parsed.map_err(|error| EventError::new("/axioms", error.to_string()))
     }
+}
+
+/// What is asked for, or else all there may be.
+fn within(asked: Option<u64>, bound: usize, pointer: &str) -> Result<usize, EventError> {
+    let asked = asked.map_or(Some(bound), |asked| usize::try_from(asked).ok());
+    let message = || format!("is out of range, expected 1 to {bound}");
+    asked.filter(|asked| (1..=bound).contains(asked)).ok_or_else(|| EventError::new(pointer, message()))
 }
 
 impl From<WireBoundary> for Boundary {

@@ -73,8 +73,8 @@ pub enum SessionError {
 impl Session {
     /// A session before its first event.
     pub fn new(config: MapConfig, limits: Limits) -> Self {
-        let search =
-            abduction::Limits { max_candidates: Some(config.max_candidates), max_steps: config.max_steps };
+        let MapConfig { max_candidates, max_memory, max_steps, .. } = config;
+        let search = abduction::Limits { max_candidates: Some(max_candidates), max_memory, max_steps };
         let abduction = match config.strategy {
             Strategy::BreadthFirst => Abduction::new(config.axioms, search),
             Strategy::BestFirst => Abduction::best_first(config.axioms, search),
@@ -129,6 +129,8 @@ impl Session {
 
     /// Finds the simplest candidates, where the strategy leaves that to the end; see [`Abduction::settle`].
     pub fn settle(&mut self, interrupted: &dyn Fn() -> bool) {
+        let most = self.limits.steps(self.abduction.observations());
+        self.abduction.limit_steps(self.config.max_steps.map_or(most, |asked| asked.min(most)));
         self.abduction.settle(interrupted);
     }
 

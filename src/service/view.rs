@@ -11,7 +11,7 @@ pub struct View {
     pub config: MapConfig,
     /// The number of the event that comes next.
     pub next_seq: u64,
-    /// What explains the events; a clone shares everything with the session's.
+    /// What explains the events; it shares all candidates with the session's.
     pub abduction: Abduction,
     /// What it has found.
     pub report: Arc<Report>,
@@ -34,6 +34,6 @@ impl View {
 
     fn with_report(session: &Session, report: Arc<Report>) -> View {
         let (config, next_seq) = (session.config(), session.next_seq());
-        View { config, next_seq, abduction: session.abduction().clone(), report }
+        View { config, next_seq, abduction: session.abduction().for_readers(), report }
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! Exhaustively, on the recorded grids, the time of each observation and that of each map it creates; on the large grid
 //! under a limit, since nothing holds all its candidates. Best-first, the steps and the time from one more observation to
-//! the next proven minimum. Times are the least of a few repetitions by one thread; counts do not depend on the machine.
+//! the next proven minimum, or to the limit on steps, where that is said. Times are the least of a few repetitions by one
+//! thread; counts do not depend on the machine.
 
 #![allow(clippy::unwrap_used, clippy::panic, missing_docs, reason = "a benchmark may fail")]
 
@@ -16,20 +17,25 @@ use topostar::abduction::{Abduction, AxiomSet, Limits, Profile, Visit};
 const REPETITIONS: usize = 3;
 /// Of the candidates of the large grid.
 const LIMIT: usize = 20_000;
+/// Of a search for the simplest alone, after each observation.
+const STEPS: u64 = 100_000;
 
 fn main() {
     let pool = ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let paper = AxiomSet::of(Profile::Paper);
     let limited = Limits { max_candidates: Some(LIMIT), ..Limits::default() };
-    let runs = [
-        ("exhaustive", "grid4x4-28", Abduction::new(paper, Limits::default())),
-        ("at most 20,000 candidates", "grid6x6-64", Abduction::new(paper, limited)),
-        ("best-first", "grid4x4-28", Abduction::best_first(paper, Limits::default())),
-        ("best-first", "grid6x6-64", Abduction::best_first(paper, Limits::default())),
-    ];
-    for (how, trace, start) in runs {
-        println!("\n{trace}, paper, {how}");
-        pool.install(|| grow(&start, &traces::visits(trace)));
+    let steps = Limits { max_steps: Some(STEPS), ..Limits::default() };
+    for profile in Profile::ALL {
+        let axioms = AxiomSet::of(profile);
+        let runs = [
+            ("exhaustive", "grid4x4-28", Abduction::new(axioms, Limits::default())),
+            ("at most 20,000 candidates", "grid6x6-64", Abduction::new(axioms, limited)),
+            ("best-first", "grid4x4-28", Abduction::best_first(axioms, steps)),
+            ("best-first", "grid6x6-64", Abduction::best_first(axioms, steps)),
+        ];
+        for (how, trace, start) in runs {
+            println!("\n{trace}, {}, {how}", profile.name());
+            pool.install(|| grow(&start, &traces::visits(trace)));
+        }
     }
 }
 
@@ -49,8 +55,9 @@ fn grow(start: &Abduction, visits: &[Visit]) {
     );
     for (observation, event) in grown.iter().enumerate() {
         let each = event.seconds * 1e9 / event.done.max(1) as f64;
+        let end = if event.settled && !event.proven { " not proven" } else { "" };
         println!(
-            "{observation:>11} {:>10} {:>10} {:>12.6} {each:>12.0}",
+            "{observation:>11} {:>10} {:>10} {:>12.6} {each:>12.0}{end}",
             event.candidates, event.done, event.seconds
         );
     }
@@ -62,6 +69,7 @@ struct Event {
     /// Maps created, or steps until all is settled.
     done: u64,
     settled: bool,
+    proven: bool,
     seconds: f64,
 }
 
@@ -74,10 +82,12 @@ fn walk(start: &Abduction, visits: &[Visit]) -> Vec<Event> {
         abduction.settle(&|| false);
         let seconds = begun.elapsed().as_secs_f64();
         let settlement = abduction.settlement();
-        let now = abduction.report().maps_created.value;
+        let report = abduction.report();
+        let now = report.maps_created.value;
         let done = settlement.map_or(now - created, |settlement| settlement.steps);
         created = now;
-        Event { candidates: abduction.len(), done, settled: settlement.is_some(), seconds }
+        let settled = settlement.is_some();
+        Event { candidates: abduction.len(), done, settled, proven: report.proven, seconds }
     };
     visits.iter().map(extend).collect()
 }

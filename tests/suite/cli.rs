@@ -83,6 +83,10 @@ fn the_simplest_maps_are_proven_without_the_others() {
     let report = json(&cut);
     assert_eq!((&report["stop_reason"], &report["steps"]), (&"step-limit".into(), &5.into()));
     assert!(text(&cut.stderr).contains("--max-steps ended the search"));
+    let small = topostar(&[&walk[..], &["--max-memory", "4K", "--json"]].concat());
+    assert_eq!(small.status.code(), Some(5));
+    assert_eq!(json(&small)["stop_reason"], "memory-limit");
+    assert!(text(&small.stderr).contains("--max-memory cut the search: what is shown is the simplest"));
     let usage = topostar(&[&walk[..], &["--max-seconds", "-1"]].concat());
     assert_eq!(usage.status.code(), Some(2));
 }
@@ -207,6 +211,15 @@ fn usage_no_map_and_limit_have_codes_of_their_own() {
     let report = json(&cut);
     assert_eq!((&report["complete"], &report["candidates"]["relation"]), (&false.into(), &"gte".into()));
     assert_eq!(report["stop_reason"], "candidate-limit");
+    let cut = topostar(&["map", "worlds/grid3x3-16.ndjson", "--max-memory", "20K", "--json"]);
+    assert_eq!(cut.status.code(), Some(5));
+    let report = json(&cut);
+    assert_eq!((&report["complete"], &report["candidates"]["relation"]), (&false.into(), &"gte".into()));
+    assert_eq!(report["stop_reason"], "memory-limit");
+    for wrong in ["0", "12T", "K", "99999999999999G"] {
+        let refused = topostar(&["map", "worlds/grid3x3-16.ndjson", "--max-memory", wrong]);
+        assert_eq!(refused.status.code(), Some(2), "{wrong}");
+    }
 }
 
 /// What a trace begins with decides the profile; options that do not go with it are usage.

@@ -8,6 +8,7 @@ mod faults;
 mod hostile;
 mod maps;
 mod reasons;
+mod settled;
 mod sockets;
 mod storage;
 mod word;

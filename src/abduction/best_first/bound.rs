@@ -1,5 +1,6 @@
 //! How simple the maps below a quotient can be at best.
 
+use super::agenda::Lists;
 use super::quotient::{Quotient, members, turned};
 use super::walk::Walk;
 use crate::abduction::Simplicity;
@@ -10,20 +11,55 @@ use crate::abduction::Simplicity;
 /// settled ones among them, are all there at the end, and with them their slots at which a path ends for good: those
 /// without a gateway, and those whose gateway no class can any more be travelled by. A path has two ends, so there are
 /// at least half as many paths. The clique is found greedily, most ends first. Quadratic in the classes.
-pub(super) fn bound(walk: &Walk, quotient: &Quotient, classes: &[usize], open: &[usize]) -> Simplicity {
-    let mut clique: Vec<usize> = Vec::with_capacity(classes.len());
-    clique.extend(classes.iter().filter(|&&class| quotient.is_settled(class)));
+pub(super) fn bounds(walk: &Walk, quotient: &Quotient, lists: &Lists, soft: bool) -> Bounds {
+    let Lists { classes, settled, open, .. } = lists;
+    let ends = |class: usize| ends(walk, quotient, classes, class);
+    let mut all: usize = settled.iter().map(|&class| ends(class)).sum();
+    let with_new = Ends { ends: all, places: settled.len() + 1 };
+    let mut clique: Vec<usize> = Vec::new();
     let most = open.iter().map(|&class| walk.blocked(class)).max().unwrap_or(0);
     // Stars have few slots, so that it is quicker to go through the numbers of ends than to sort by them.
     for blocked in (0..=most).rev() {
         for &class in open.iter().filter(|&&class| walk.blocked(class) == blocked) {
-            if clique.iter().all(|&other| quotient.alike(class, other) == 0) {
+            if settled.iter().chain(&clique).all(|&other| quotient.alike(class, other) == 0) {
                 clique.push(class);
+                all += ends(class);
             }
         }
     }
-    let ends: usize = clique.iter().map(|&class| ends(walk, quotient, classes, class)).sum();
-    Simplicity { abnormalities: None, paths: ends.div_ceil(2), places: clique.len() }
+    let least = Ends { ends: all, places: settled.len() + clique.len() };
+    Bounds { least, with_new, abnormalities: soft.then_some(0) }
+}
+
+/// What is known of the maps below a quotient.
+pub(super) struct Bounds {
+    least: Ends,
+    with_new: Ends,
+    abnormalities: Option<usize>,
+}
+
+impl Bounds {
+    /// How simple they are at best.
+    pub(super) fn least(&self) -> Simplicity {
+        self.least.simplicity(0, self.abnormalities)
+    }
+
+    /// How simple they are at best if an open class is a place unlike all settled ones.
+    pub(super) fn with_new(&self, walk: &Walk, class: usize) -> Simplicity {
+        self.with_new.simplicity(walk.blocked(class), self.abnormalities)
+    }
+}
+
+/// Different places, and the ends of paths at them.
+struct Ends {
+    ends: usize,
+    places: usize,
+}
+
+impl Ends {
+    fn simplicity(&self, more: usize, abnormalities: Option<usize>) -> Simplicity {
+        Simplicity { abnormalities, paths: (self.ends + more).div_ceil(2), places: self.places }
+    }
 }
 
 /// The slots of a class at which a path will end, whatever it merges with.

@@ -6,15 +6,21 @@
 //! follows from it ([`Quotient`]). So the class with the fewest ways left is decided first, whenever it was visited (the fail-first
 //! principle, Haralick and Elliott 1980), and a wrong closure falls when it is made and not when the robot comes by again.
 //! The idea is that of learning the smallest automaton from a trace by merging states and folding (Lang, Pearlmutter and Price
-//! 1998); the clique bound is that of Heule and Verwer 2010.
+//! 1998); the clique bound is that of Heule and Verwer 2010. After each decision what is settled rules out more of the
+//! rest ([`Location`]). It looks at maps of few paths first, in rounds ([`Round`]).
 //!
 //! Axioms that folding does not know (boundaries, measurements, the operator's word) are judged by the registry, on the
 //! beginning of the walk that is decided; the walk is then decided in its order. Every map found is judged by the
 //! registry from its first observation on, so that folding can only ever save work.
 
+mod agenda;
 mod bound;
 mod faces;
+mod ground;
+mod location;
+mod minimal;
 mod quotient;
+mod round;
 mod trailed;
 mod walk;
 
@@ -22,30 +28,38 @@ use crate::abduction::{
     Assignment, Axiom, AxiomId, AxiomSet, Boundary, Evidence, Refutations, Simplicity, Visit, Word, judge,
 };
 use crate::map::PlaceId;
-use bound::bound;
-use faces::planar;
-use quotient::{Mark, Quotient, members};
+use agenda::{Decision, Lists, Spare, Way};
+use bound::{Bounds, bounds};
+use faces::Faces;
+use ground::Ground;
+use location::Location;
+use minimal::Minimal;
+use round::Round;
 use std::sync::Arc;
-use walk::Walk;
 
 /// The axioms that folding keeps by itself, `planarity` on what is settled among them.
 const FOLDED: [AxiomId; 5] =
     [AxiomId::Determinism, AxiomId::StarMatch, AxiomId::TravelMoves, AxiomId::PathOrder, AxiomId::Planarity];
 
-/// A search for the simplest maps of one experience. It can stop at any time and go on later.
+/// The most steps to each visit of the first round.
+const DIVE: u64 = 16;
+
+/// A search for the simplest maps of one experience. It can stop at any time and go on later, and what it knows of a
+/// walk serves when the walk goes on.
 #[derive(Clone, Debug)]
 pub(super) struct BestFirst {
-    experience: Arc<Experience>,
-    walk: Arc<Walk>,
-    quotient: Quotient,
+    experience: Experience,
+    ground: Ground,
+    round: Round,
+    state: State,
     agenda: Vec<Decision>,
     spare: Spare,
+    faces: Faces,
+    location: Location,
     found: Minimal,
     effort: Effort,
     /// Whether the walk is decided in its order, as some axioms are judged on its beginning.
     in_order: bool,
-    /// The classes of the walk, in its order, of which it was asked whether they can lie on those before them.
-    told_apart: usize,
 }
 
 /// What is to be explained, and under which laws.
@@ -55,16 +69,6 @@ pub(super) struct Experience {
     pub(super) evidence: Option<Arc<dyn Evidence>>,
     pub(super) axioms: AxiomSet,
     pub(super) word: Word,
-}
-
-/// The simplest candidates found.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Minimal {
-    pub(super) simplicity: Option<Simplicity>,
-    /// Their assignments, in no order.
-    pub(super) candidates: Vec<Vec<Assignment>>,
-    /// Whether some as simple were left out.
-    pub(super) cut: bool,
 }
 
 /// What a search has done; none of it depends on the machine.
@@ -83,83 +87,59 @@ pub(super) struct Budget<'a> {
     pub(super) steps: Option<u64>,
     /// The most candidates kept of those that are equally simple.
     pub(super) candidates: Option<usize>,
+    /// The most bytes held.
+    pub(super) memory: Option<usize>,
     /// Asked now and then.
     pub(super) interrupted: &'a dyn Fn() -> bool,
 }
 
-/// What one class is to be.
-#[derive(Clone, Debug)]
-struct Decision {
-    class: usize,
-    lists: Lists,
-    mark: Mark,
-    bound: Simplicity,
-}
-
-/// The classes of a quotient, and of one of them each way that is left, with the classes it leaves, the last first.
-#[derive(Clone, Debug, Default)]
-struct Lists {
-    classes: Vec<usize>,
-    settled: Vec<usize>,
-    open: Vec<usize>,
-    ways: Vec<(usize, Way)>,
-}
-
-/// Lists no longer used, whose memory is.
-#[derive(Clone, Debug, Default)]
-struct Spare(Vec<Lists>);
-
-#[derive(Clone, Copy, Debug)]
-enum Way {
-    Merged { onto: usize, rotation: usize },
-    New,
+/// Where a search is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    /// Nothing of the round was looked at.
+    Ready,
+    Running,
+    Done,
 }
 
 impl BestFirst {
-    /// A search that has not begun, or the axiom that the walk breaks however it is explained. Memory is quadratic
-    /// in the visits.
-    pub(super) fn new(experience: Experience) -> Result<BestFirst, AxiomId> {
-        let walk = Walk::new(&experience.visits);
-        let quotient = Quotient::of(&walk, experience.axioms)?;
-        let known = |axiom: &Axiom| FOLDED.contains(&axiom.id);
-        let in_order = !experience.word.is_empty() || !experience.axioms.iter().all(known);
-        Ok(BestFirst {
-            experience: Arc::new(experience),
-            walk: Arc::new(walk),
-            quotient,
+    /// A search that has not begun.
+    pub(super) fn new(experience: Experience) -> BestFirst {
+        let in_order = experience.in_order();
+        BestFirst {
+            experience,
+            ground: Ground::default(),
+            round: Round::default(),
+            state: State::Ready,
             agenda: Vec::new(),
             spare: Spare::default(),
+            faces: Faces::default(),
+            location: Location::default(),
             found: Minimal::default(),
             effort: Effort::default(),
             in_order,
-            told_apart: 0,
-        })
+        }
     }
 
-    /// Goes on until all is decided or the budget is used up. It begins by asking of every two visits whether they
-    /// might be one place: quadratic in the visits, times folding.
+    /// A search that has not begun, of an experience that begins with this one's visits under the same axioms, but for
+    /// measured ones. What is known of the walk stays.
+    pub(super) fn go_on_to(&mut self, experience: Experience) {
+        self.begin(Round::default());
+        self.in_order = experience.in_order();
+        (self.experience, self.found, self.effort) = (experience, Minimal::default(), Effort::default());
+    }
+
+    /// Goes on until all is decided or the budget is used up. Memory is quadratic in the visits, and so is what comes
+    /// first: asking of every visit that is new, and each one before, whether they might be one place.
     pub(super) fn run(&mut self, budget: &Budget<'_>) {
-        if !self.has_begun() {
-            if budget.steps == Some(0) || !self.tell_apart(budget.interrupted) {
-                return;
-            }
-            self.look();
-        }
-        while let Some(decision) = self.agenda.last_mut() {
+        while !self.conclude() {
             let spent = budget.steps.is_some_and(|steps| self.effort.steps >= steps);
-            if spent || (budget.interrupted)() {
+            if spent || (budget.interrupted)() || self.is_too_big(budget.memory) {
                 return;
             }
-            self.quotient.undo(decision.mark);
-            self.quotient.list(&decision.lists.classes);
-            let hopeless = self.found.simplicity.is_some_and(|least| decision.bound > least);
-            match decision.lists.ways.pop().filter(|_| !hopeless) {
-                None => self.agenda.pop().into_iter().for_each(|decision| self.spare.give(decision)),
-                Some((_, way)) => {
-                    self.take(way);
-                    self.look();
-                    self.found.cut_to(budget.candidates);
-                }
+            match self.experience.visits.get(self.ground.walk.len()) {
+                Some(visit) => self.ground.push(visit, self.experience.axioms),
+                None => self.step(budget.candidates),
             }
         }
     }
@@ -171,136 +151,172 @@ impl BestFirst {
 
     /// What was done.
     pub(super) fn effort(&self) -> Effort {
-        self.effort
+        let refuted = match self.ground.broken {
+            Some(axiom) => Refutations::of(axiom),
+            None => [self.ground.refuted, self.effort.refuted].into_iter().sum(),
+        };
+        Effort { refuted, ..self.effort }
     }
 
     /// Whether no simpler candidate is left to be found, nor another as simple.
     pub(super) fn is_done(&self) -> bool {
-        let open = |decision: &Decision| self.found.simplicity.is_none_or(|least| decision.bound <= least);
-        self.has_begun()
-            && !self.agenda.iter().any(|decision| !decision.lists.ways.is_empty() && open(decision))
+        self.state == State::Done
     }
 
-    /// Whether anything was looked at; what there was before is in no agenda.
-    fn has_begun(&self) -> bool {
-        self.effort.steps > 0
-    }
-
-    /// How simple the simplest map is at best: of all that is found or left open, the least bound. None before the
-    /// search has begun, and where nothing is left.
+    /// How simple the simplest map is at best: of all that is found or left open, the least bound. None as long as
+    /// nothing is known, and where nothing is left.
     pub(super) fn bound(&self) -> Option<Simplicity> {
         let open = self.agenda.iter().filter(|decision| !decision.lists.ways.is_empty());
-        open.map(|decision| decision.bound).chain(self.found.simplicity).min()
-    }
-
-    /// Asks of every two classes, under each rotation, whether they can be one place at all; whether it came to an
-    /// end, or else goes on from there.
-    fn tell_apart(&mut self, interrupted: &dyn Fn() -> bool) -> bool {
-        let classes: Vec<usize> = self.quotient.classes(&self.walk).collect();
-        while let Some(&class) = classes.get(self.told_apart) {
-            if interrupted() {
-                return false;
-            }
-            for &onto in &classes[..self.told_apart] {
-                for rotation in self.rotations(class, onto) {
-                    let _ = self.probe(&[], class, onto, rotation);
-                }
-            }
-            self.told_apart += 1;
-        }
-        true
-    }
-
-    /// The number of classes that are left if one lies on another; none if it cannot, which is noted.
-    fn probe(&mut self, settled: &[usize], class: usize, onto: usize, rotation: usize) -> Option<usize> {
-        let mark = self.quotient.mark();
-        let axioms = self.experience.axioms;
-        let merged = self.quotient.merge(&self.walk, class, onto, rotation, axioms);
-        let left = self.quotient.count();
-        let merged = match merged {
-            Ok(()) if axioms.contains(AxiomId::Planarity) && !planar(&self.walk, &self.quotient, settled) => {
-                Err(AxiomId::Planarity)
-            }
-            merged => merged,
+        let open = open.map(|decision| decision.bound).min();
+        let ahead = match self.state {
+            State::Ready => self.round.floor(),
+            State::Running => self.round.least(open),
+            State::Done => None,
         };
-        self.quotient.undo(mark);
-        match merged {
-            Ok(()) => Some(left),
-            Err(axiom) => {
-                self.effort.refuted.count(axiom);
-                self.quotient.refute(&self.walk, class, onto, rotation);
-                None
+        ahead.into_iter().chain(self.found.simplicity()).min()
+    }
+
+    /// Whether it holds, or is about to hold, more bytes than it may: tables, decisions and what it takes to undo them, and
+    /// the candidates found.
+    pub(super) fn is_too_big(&self, memory: Option<usize>) -> bool {
+        memory.is_some_and(|most| self.bytes() > most)
+    }
+
+    fn bytes(&self) -> usize {
+        let decisions: usize = self.agenda.iter().map(|decision| decision.lists.bytes()).sum();
+        let more = self.experience.visits.len() > self.ground.walk.len();
+        let next = if more { self.ground.bytes_of_next() } else { 0 };
+        self.ground.bytes() + next + decisions + self.found.bytes(self.ground.walk.dstates())
+    }
+
+    /// Comes to an end of what there is to do without a step; whether that is the end of the search.
+    fn conclude(&mut self) -> bool {
+        if self.ground.broken.is_some() {
+            self.state = State::Done;
+        }
+        while let Some(last) = self.agenda.last()
+            && (last.lists.ways.is_empty() || !self.found.allows(last.bound))
+        {
+            self.agenda.pop().into_iter().for_each(|decision| self.spare.give(decision.lists));
+        }
+        if self.state == State::Running && self.agenda.is_empty() {
+            match self.round.next(&self.found, self.effort.steps) {
+                Some(round) => self.begin(round),
+                None => self.state = State::Done,
             }
         }
+        self.state == State::Done
     }
 
-    /// The rotations by which a class might lie on another, ascending.
-    fn rotations(&self, class: usize, onto: usize) -> impl Iterator<Item = usize> + use<> {
-        let (kept, listed) = match self.walk.tracked(class) {
-            true => (self.quotient.alike(class, onto), Vec::new()),
-            false => (0, self.walk.matches(class, onto).to_vec()),
-        };
-        members(kept).chain(listed.into_iter().map(usize::from))
+    fn begin(&mut self, round: Round) {
+        self.ground.reset();
+        self.agenda.drain(..).for_each(|decision| self.spare.give(decision.lists));
+        (self.round, self.state) = (round, State::Ready);
+    }
+
+    fn step(&mut self, candidates: Option<usize>) {
+        self.effort.steps += 1;
+        if let Some(decision) = self.agenda.last_mut() {
+            self.ground.quotient.undo(decision.mark);
+            self.ground.quotient.list(&decision.lists.classes);
+            if let Some((_, way)) = decision.lists.ways.pop() {
+                self.take(way);
+            }
+        }
+        self.state = State::Running;
+        self.look(candidates);
+        self.end_dive();
+    }
+
+    /// The first round has no limit; it is to find some map that is not bad, and all if that is quick.
+    fn end_dive(&mut self) {
+        let most = DIVE * self.experience.visits.len() as u64;
+        if self.round.is_unlimited()
+            && self.effort.steps >= most
+            && let Some(root) = self.agenda.first()
+        {
+            self.begin(Round::after_dive(root.bound, self.effort.steps));
+        }
     }
 
     fn take(&mut self, way: Way) {
-        let Some(decision) = self.agenda.last() else { return };
+        let (Some(decision), Ground { walk, quotient, .. }) = (self.agenda.last(), &mut self.ground) else {
+            return;
+        };
         match way {
-            Way::New => self.quotient.settle(decision.class, &decision.lists.settled),
+            Way::New => quotient.settle(decision.class, &decision.lists.settled),
             Way::Merged { onto, rotation } => {
                 let axioms = self.experience.axioms;
                 // It was probed in this very state, so that it merges again.
-                let _ = self.quotient.merge(&self.walk, decision.class, onto, rotation, axioms);
+                let _ = quotient.merge(walk, decision.class, onto, rotation, axioms);
             }
         }
     }
 
     /// Judges the quotient, and puts the next decision on the agenda or, where there is none, keeps the candidate.
-    fn look(&mut self) {
-        self.effort.steps += 1;
+    fn look(&mut self, candidates: Option<usize>) {
         let mut lists = self.spare.take();
-        lists.fill(&self.walk, &self.quotient);
-        self.quotient.list(&lists.classes);
-        let decided = self.judge(&lists).and_then(|bound| match self.next(&lists.settled, &lists.open) {
-            Some(class) => Some((class, bound)),
-            None => {
-                self.keep();
-                None
-            }
-        });
-        match decided {
-            Some((class, bound)) => self.decide(class, lists, bound),
-            None => self.spare.0.push(lists),
+        lists.fill(&self.ground.walk, &self.ground.quotient);
+        self.ground.quotient.list(&lists.classes);
+        match self.judge(&lists) {
+            None => self.spare.give(lists),
+            Some(bound) => match self.next(&lists.settled, &lists.open) {
+                Some(class) => self.decide(class, lists, bound),
+                None => {
+                    self.keep(candidates);
+                    self.spare.give(lists);
+                }
+            },
         }
     }
 
-    /// How simple the maps below the quotient can be at best; none if it is refuted or no simplest map is below it.
+    /// How simple the maps below the quotient can be at best; none if it is refuted or no map below it is looked for.
     fn judge(&mut self, lists: &Lists) -> Option<Simplicity> {
+        let Ground { walk, quotient, .. } = &self.ground;
         let axioms = self.experience.axioms;
-        if axioms.contains(AxiomId::Planarity) && !planar(&self.walk, &self.quotient, &lists.settled) {
+        let bounds = bounds(walk, quotient, lists, axioms.boundary() == Some(Boundary::Soft));
+        if !self.round.admits(bounds.least(), &self.found) {
+            return None;
+        }
+        let planar = axioms.contains(AxiomId::Planarity);
+        if planar && !self.faces.planar(walk, quotient, &lists.settled) {
             self.effort.refuted.count(AxiomId::Planarity);
             return None;
         }
-        if self.in_order && !self.begins_well() {
+        if !self.narrow(lists, &bounds) || (self.in_order && !self.begins_well()) {
             return None;
         }
         self.effort.made += 1;
-        let least = bound(&self.walk, &self.quotient, &lists.classes, &lists.open);
-        let abnormalities = (axioms.boundary() == Some(Boundary::Soft)).then_some(0);
-        let bound = Simplicity { abnormalities, ..least };
-        self.found.simplicity.is_none_or(|found| bound <= found).then_some(bound)
+        Some(bounds.least())
+    }
+
+    /// Rules out what cannot be; whether every class can still be somewhere.
+    fn narrow(&mut self, lists: &Lists, bounds: &Bounds) -> bool {
+        let Ground { walk, quotient, .. } = &mut self.ground;
+        let faces = self.experience.axioms.contains(AxiomId::Planarity).then_some(&self.faces);
+        let (round, found) = (&mut self.round, &self.found);
+        let mut may_be_new = |class: usize| round.admits(bounds.with_new(walk, class), found);
+        match self.location.narrow(walk, quotient, faces, &mut may_be_new, [&lists.settled, &lists.open]) {
+            Ok(()) => true,
+            Err(axiom) => {
+                axiom.into_iter().for_each(|axiom| self.effort.refuted.count(axiom));
+                false
+            }
+        }
     }
 
     /// The class to decide: that with the fewest ways, of these the one of most visits; or the next on the walk.
     fn next(&self, settled: &[usize], open: &[usize]) -> Option<usize> {
+        let Ground { walk, quotient, .. } = &self.ground;
         if self.in_order {
-            let classes = (0..self.walk.len()).map(|visit| self.quotient.class(visit).0);
-            return classes.into_iter().find(|&class| !self.quotient.is_settled(class));
+            let classes = (0..walk.len()).map(|visit| quotient.class(visit).0);
+            return classes.into_iter().find(|&class| !quotient.is_settled(class));
         }
         let ways = |class: usize| -> u32 {
-            settled.iter().map(|&onto| self.quotient.alike(class, onto).count_ones()).sum()
+            let on = settled.iter().map(|&onto| quotient.alike(class, onto).count_ones());
+            u32::from(self.location.can_be_new(class)) + on.sum::<u32>()
         };
-        let visits = |class: usize| self.quotient.visits(class).count();
+        let visits = |class: usize| quotient.visits(class).count();
         let fewest = open.iter().map(|&class| (ways(class), class)).reduce(|best, next| {
             let better = next.0 < best.0 || next.0 == best.0 && visits(next.1) > visits(best.1);
             if better { next } else { best }
@@ -310,24 +326,33 @@ impl BestFirst {
 
     /// Puts the ways that are left for a class on the agenda: those that fold most are taken first, a new place last.
     fn decide(&mut self, class: usize, mut lists: Lists, bound: Simplicity) {
-        lists.ways.clear();
         for &onto in &lists.settled {
-            for rotation in self.rotations(class, onto) {
-                let left = self.probe(&lists.settled, class, onto, rotation);
+            for rotation in self.ground.rotations(class, onto) {
+                let left = self.probe([class, onto, rotation], &lists.settled);
                 lists.ways.extend(left.map(|left| (left, Way::Merged { onto, rotation })));
             }
         }
         lists.ways.sort_by_key(|&(left, _)| left);
         // A place of its own folds nothing.
-        lists.ways.push((usize::MAX, Way::New));
+        lists.ways.extend(self.location.can_be_new(class).then_some((usize::MAX, Way::New)));
         lists.ways.reverse();
-        self.agenda.push(Decision { class, lists, mark: self.quotient.mark(), bound });
+        self.agenda.push(Decision { class, lists, mark: self.ground.quotient.mark(), bound });
+    }
+
+    fn probe(&mut self, merge: [usize; 3], settled: &[usize]) -> Option<usize> {
+        let (axioms, faces) = (self.experience.axioms, &mut self.faces);
+        self.ground.probe(merge, axioms, &mut self.effort.refuted, |walk, quotient| {
+            match axioms.contains(AxiomId::Planarity) && !faces.planar(walk, quotient, settled) {
+                true => Err(AxiomId::Planarity),
+                false => Ok(()),
+            }
+        })
     }
 
     /// Whether all axioms and the operator's word allow the decided beginning of the walk.
     fn begins_well(&mut self) -> bool {
         let beginning = self.assignments();
-        let Experience { visits, evidence, axioms, word } = self.experience.as_ref();
+        let Experience { visits, evidence, axioms, word } = &self.experience;
         match judge(visits, evidence.as_deref(), *axioms, &beginning) {
             Err(refutation) => self.effort.refuted.count(refutation.axiom),
             Ok(_) if !word.allows(&beginning) => self.effort.refuted.count_operator(1),
@@ -337,72 +362,41 @@ impl BestFirst {
     }
 
     /// Keeps the candidate that the quotient is, all decided, if no simpler one is known.
-    fn keep(&mut self) {
+    fn keep(&mut self, limit: Option<usize>) {
         let assignments = self.assignments();
-        let Experience { visits, evidence, axioms, .. } = self.experience.as_ref();
+        let Experience { visits, evidence, axioms, .. } = &self.experience;
         match judge(visits, evidence.as_deref(), *axioms, &assignments) {
             Err(refutation) => self.effort.refuted.count(refutation.axiom),
-            Ok(candidate) => {
-                let simplicity = candidate.map(|candidate| candidate.simplicity(*axioms));
-                simplicity.into_iter().for_each(|simplicity| self.found.keep(simplicity, &assignments));
-            }
+            Ok(None) => {}
+            Ok(Some(candidate)) => self.found.keep(candidate.simplicity(*axioms), assignments, limit),
         }
     }
 
     /// What the visits are taken for, up to the first that is not decided. Places are numbered by first visit, and
     /// rotations are onto the star of the first visit.
     fn assignments(&self) -> Vec<Assignment> {
+        let Ground { walk, quotient, .. } = &self.ground;
         let mut firsts: Vec<(usize, usize)> = Vec::new();
         let assign = |visit: usize| {
-            let (class, turn) = self.quotient.class(visit);
+            let (class, turn) = quotient.class(visit);
             let number = firsts.iter().position(|&(first, _)| first == class).unwrap_or_else(|| {
                 firsts.push((class, turn));
                 firsts.len() - 1
             });
-            let size = self.walk.size(visit);
+            let size = walk.size(visit);
             let rotation = ((turn + size - firsts[number].1) % size) as u8;
             // None: there are no more places than visits, and these have a limit.
             PlaceId::new(number).map(|place| Assignment { place, rotation })
         };
-        let decided = |&visit: &usize| self.quotient.is_settled(self.quotient.class(visit).0);
-        (0..self.walk.len()).take_while(decided).filter_map(assign).collect()
+        let decided = |&visit: &usize| quotient.is_settled(quotient.class(visit).0);
+        (0..walk.len()).take_while(decided).filter_map(assign).collect()
     }
 }
 
-impl Lists {
-    fn fill(&mut self, walk: &Walk, quotient: &Quotient) {
-        let Lists { classes, settled, open, ways: _ } = self;
-        [&mut *classes, &mut *settled, &mut *open].into_iter().for_each(Vec::clear);
-        for class in quotient.classes(walk) {
-            classes.push(class);
-            if quotient.is_settled(class) { &mut *settled } else { &mut *open }.push(class);
-        }
-    }
-}
-
-impl Spare {
-    fn take(&mut self) -> Lists {
-        self.0.pop().unwrap_or_default()
-    }
-
-    fn give(&mut self, decision: Decision) {
-        self.0.push(decision.lists);
-    }
-}
-
-impl Minimal {
-    fn keep(&mut self, simplicity: Simplicity, assignments: &[Assignment]) {
-        if self.simplicity.is_none_or(|least| simplicity < least) {
-            *self = Minimal { simplicity: Some(simplicity), ..Minimal::default() };
-        }
-        if self.simplicity == Some(simplicity) {
-            self.candidates.push(assignments.to_vec());
-        }
-    }
-
-    fn cut_to(&mut self, limit: Option<usize>) {
-        let limit = limit.unwrap_or(usize::MAX);
-        self.cut |= self.candidates.len() > limit;
-        self.candidates.truncate(limit);
+impl Experience {
+    /// Whether axioms are held, or was said what, folding does not know.
+    fn in_order(&self) -> bool {
+        let known = |axiom: &Axiom| FOLDED.contains(&axiom.id);
+        !self.word.is_empty() || !self.axioms.iter().all(known)
     }
 }

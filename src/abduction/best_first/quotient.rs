@@ -13,7 +13,7 @@ use crate::abduction::{AxiomId, AxiomSet};
 ///
 /// Laws: what is merged stays so in every quotient further down, so that any axiom broken here is broken there.
 /// A *settled* class is a place of its own, never merged with another settled one.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Quotient {
     /// For each visit the visit that names its class.
     name: Trailed<u16>,
@@ -28,7 +28,7 @@ pub(super) struct Quotient {
     settled: Trailed<bool>,
     /// One cell: the number of classes.
     count: Trailed<usize>,
-    /// For each two naming visits the rotations under which they might still be one place.
+    /// For each two naming visits the rotations under which they might still be one place; see [`pair`].
     alike: Trailed<Rotations>,
     /// The classes when they were last listed: all that there are now are among them.
     roots: Vec<u16>,
@@ -38,6 +38,8 @@ pub(super) struct Quotient {
     pass: u64,
     merges: Vec<Merge>,
     touched: Vec<usize>,
+    /// Pairs of classes compared so far.
+    compared: u64,
 }
 
 /// A state to come back to.
@@ -56,32 +58,51 @@ struct Merge {
 const NONE: u32 = u32::MAX;
 
 impl Quotient {
-    /// The walk itself, or the axiom it breaks. Quadratic in the visits.
-    pub(super) fn of(walk: &Walk, axioms: AxiomSet) -> Result<Quotient, AxiomId> {
-        let visits = walk.len();
-        let mut alike = vec![0; visits * visits];
-        for a in 0..visits {
-            for b in 0..visits {
-                alike[a * visits + b] = if a == b { 1 } else { matching(walk, a, b) };
-            }
+    /// Goes on to the last visit of the walk, for good; an error is the axiom that the walk breaks. To be called in a
+    /// state that nothing is to be undone from. Linear in the visits, but for what folds.
+    pub(super) fn push(&mut self, walk: &Walk, axioms: AxiomSet) -> Result<(), AxiomId> {
+        let visit = walk.len() - 1;
+        self.name.push(visit as u16);
+        self.turn.push(0);
+        self.next.push(visit as u16);
+        (0..walk.size(visit)).for_each(|_| self.far.push(NONE));
+        self.filled.push(0);
+        self.settled.push(false);
+        match visit {
+            0 => self.count.push(1),
+            _ => self.count.set(0, self.count() + 1),
         }
-        let mut quotient = Quotient {
-            name: Trailed::new((0..visits as u16).collect()),
-            turn: Trailed::new(vec![0; visits]),
-            next: Trailed::new((0..visits as u16).collect()),
-            far: Trailed::new(vec![NONE; walk.dstates()]),
-            filled: Trailed::new(vec![0; visits]),
-            count: Trailed::new(vec![visits]),
-            settled: Trailed::new(vec![false; visits]),
-            alike: Trailed::new(alike),
-            roots: (0..visits as u16).collect(),
-            passed: vec![0; visits],
-            walked: vec![0; walk.dstates()],
-            pass: 0,
-            merges: Vec::new(),
-            touched: Vec::new(),
-        };
-        (1..visits).try_for_each(|visit| quotient.travel(walk, visit, axioms)).map(|()| quotient)
+        (0..visit).for_each(|other| self.alike.push(matching(walk, visit, other)));
+        self.alike.push(1);
+        (0..visit).for_each(|other| self.alike.push(matching(walk, other, visit)));
+        self.roots.push(visit as u16);
+        self.passed.push(0);
+        self.walked.resize(walk.dstates(), 0);
+        let travelled = if visit == 0 { Ok(()) } else { self.travel(walk, visit, axioms) };
+        self.commit();
+        travelled
+    }
+
+    /// What is, is for good: no mark from before is valid any more.
+    pub(super) fn commit(&mut self) {
+        let Quotient { name, turn, next, far, filled, settled, count, alike, .. } = self;
+        [name, next].into_iter().for_each(Trailed::commit);
+        (turn.commit(), far.commit(), settled.commit(), count.commit());
+        [filled, alike].into_iter().for_each(Trailed::commit);
+    }
+
+    /// Back to what is for good.
+    pub(super) fn reset(&mut self) {
+        self.undo(Mark([0; 8]));
+    }
+
+    /// Bytes held, as many as there is something in them.
+    pub(super) fn bytes(&self) -> usize {
+        let Quotient { name, turn, next, far, filled, settled, count, alike, .. } = self;
+        let narrow =
+            name.bytes() + turn.bytes() + next.bytes() + far.bytes() + settled.bytes() + count.bytes();
+        let passes = size_of_val(self.passed.as_slice()) + size_of_val(self.walked.as_slice());
+        narrow + filled.bytes() + alike.bytes() + passes
     }
 
     /// Takes two different classes for one place: slot `s` of `class` is slot `s + rotation` of `onto`. After an
@@ -137,6 +158,11 @@ impl Quotient {
         self.roots.extend(classes.iter().map(|&class| class as u16));
     }
 
+    /// What merging has cost so far, in pairs of classes compared. Undoing does not take it back.
+    pub(super) fn compared(&self) -> u64 {
+        self.compared
+    }
+
     /// The number of classes.
     pub(super) fn count(&self) -> usize {
         self.count.get(0)
@@ -156,7 +182,7 @@ impl Quotient {
 
     /// The rotations under which a class might still lie on another.
     pub(super) fn alike(&self, class: usize, onto: usize) -> Rotations {
-        self.alike.get(class * self.passed.len() + onto)
+        self.alike.get(pair(class, onto))
     }
 
     /// The slots of a class with a far end, one bit each; none for stars without sets.
@@ -238,6 +264,7 @@ impl Quotient {
         let absorbed = !self.settled.get(a) && (self.settled.get(b) || b < a);
         let (from, to, rotation) =
             if absorbed { (a, b, rotation) } else { (b, a, wrapped(size - rotation, size)) };
+        self.compared += self.roots.len() as u64;
         if !walk.matches(from, to).contains(&(rotation as u8)) {
             return Err(AxiomId::StarMatch);
         }
@@ -374,9 +401,13 @@ impl Quotient {
     }
 
     fn set_alike(&mut self, class: usize, onto: usize, rotations: Rotations) {
-        let visits = self.passed.len();
-        self.alike.set(class * visits + onto, rotations);
+        self.alike.set(pair(class, onto), rotations);
     }
+}
+
+/// The position of an ordered pair of visits among all, such that those of the first visits come first.
+fn pair(a: usize, b: usize) -> usize {
+    if a >= b { a * a + b } else { b * b + b + 1 + a }
 }
 
 /// The rotations by which the star of a visit lies on that of another; all, where sets are not kept.
@@ -390,7 +421,7 @@ fn matching(walk: &Walk, visit: usize, onto: usize) -> Rotations {
 }
 
 /// A slot or rotation below twice `size`, modulo `size`.
-fn wrapped(slot: usize, size: usize) -> usize {
+pub(super) fn wrapped(slot: usize, size: usize) -> usize {
     if slot < size { slot } else { slot - size }
 }
 

@@ -8,8 +8,19 @@ pub(super) struct Trailed<T> {
 }
 
 impl<T: Copy + PartialEq> Trailed<T> {
-    pub(super) fn new(cells: Vec<T>) -> Self {
-        Trailed { cells, log: Vec::new() }
+    /// One more cell, which is there for good.
+    pub(super) fn push(&mut self, value: T) {
+        self.cells.push(value);
+    }
+
+    /// What is, is for good.
+    pub(super) fn commit(&mut self) {
+        self.log = Vec::new();
+    }
+
+    /// Bytes of the cells, and of what it takes to undo.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(self.cells.as_slice()) + size_of_val(self.log.as_slice())
     }
 
     pub(super) fn get(&self, index: usize) -> T {
@@ -34,5 +45,11 @@ impl<T: Copy + PartialEq> Trailed<T> {
         for (index, value) in self.log.drain(mark..).rev() {
             self.cells[index as usize] = value;
         }
+    }
+}
+
+impl<T> Default for Trailed<T> {
+    fn default() -> Self {
+        Trailed { cells: Vec::new(), log: Vec::new() }
     }
 }

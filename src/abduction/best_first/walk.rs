@@ -2,19 +2,20 @@
 
 use crate::abduction::Visit;
 use crate::star::LargeScaleStar;
-use std::sync::Arc;
 
 /// A set of rotations, one bit each. Stars of more than 64 slots have no such sets: see [`Walk::tracked`].
 pub(super) type Rotations = u64;
 
-/// A walk: the stars as observed, the gateways left by and come in by.
-#[derive(Clone, Debug)]
+/// A walk: the stars as observed, the gateways left by and come in by. It grows by a visit at a time.
+#[derive(Clone, Debug, Default)]
 pub(super) struct Walk {
     visits: Vec<Stop>,
     /// The visit of each dstate.
     owner: Vec<u16>,
     opposite: Vec<u8>,
-    /// For each two stars told apart, the rotations that lay the first onto the second.
+    /// The stars told apart.
+    stars: Vec<LargeScaleStar>,
+    /// For each two of them the rotations that lay the first onto the second.
     matches: Vec<Vec<Vec<u8>>>,
 }
 
@@ -31,32 +32,45 @@ struct Stop {
 }
 
 impl Walk {
-    /// The visits are those of one trace.
-    pub(super) fn new(visits: &[Arc<Visit>]) -> Walk {
-        let mut stars: Vec<&LargeScaleStar> = Vec::new();
-        let mut walk =
-            Walk { visits: Vec::new(), owner: Vec::new(), opposite: Vec::new(), matches: Vec::new() };
-        for visit in visits {
-            let star = stars.iter().position(|&star| *star == visit.star).unwrap_or_else(|| {
-                stars.push(&visit.star);
-                stars.len() - 1
-            });
-            let slots = visit.star.slots();
-            walk.visits.push(Stop {
-                first: walk.opposite.len() as u32,
-                size: slots.len() as u8,
-                star: star as u16,
-                departure: visit.departure.map_or(0, |slot| slot.0),
-                gateway: slots[visit.arrival.0 as usize].opposite.0,
-                navigable: navigable(&visit.star),
-                blocked: slots.iter().filter(|slot| !slot.navigable).count() as u8,
-            });
-            walk.owner.extend(std::iter::repeat_n(walk.visits.len() as u16 - 1, slots.len()));
-            walk.opposite.extend(slots.iter().map(|slot| slot.opposite.0));
+    /// Goes on to a visit, which follows on the last one in the trace. Linear in the stars told apart.
+    pub(super) fn push(&mut self, visit: &Visit) {
+        let star = self.number(&visit.star);
+        let slots = visit.star.slots();
+        self.visits.push(Stop {
+            first: self.opposite.len() as u32,
+            size: slots.len() as u8,
+            star: star as u16,
+            departure: visit.departure.map_or(0, |slot| slot.0),
+            gateway: slots[visit.arrival.0 as usize].opposite.0,
+            navigable: navigable(&visit.star),
+            blocked: slots.iter().filter(|slot| !slot.navigable).count() as u8,
+        });
+        self.owner.extend(std::iter::repeat_n(self.visits.len() as u16 - 1, slots.len()));
+        self.opposite.extend(slots.iter().map(|slot| slot.opposite.0));
+    }
+
+    fn number(&mut self, star: &LargeScaleStar) -> usize {
+        if let Some(known) = self.stars.iter().position(|known| known == star) {
+            return known;
         }
-        let onto = |a: &&LargeScaleStar| stars.iter().map(|b| b.alignments(a)).collect();
-        walk.matches = stars.iter().map(onto).collect();
-        walk
+        for (known, matches) in self.stars.iter().zip(&mut self.matches) {
+            matches.push(star.alignments(known));
+        }
+        self.stars.push(star.clone());
+        self.matches.push(self.stars.iter().map(|known| known.alignments(star)).collect());
+        self.stars.len() - 1
+    }
+
+    /// Bytes held, as many as there is something in them.
+    pub(super) fn bytes(&self) -> usize {
+        let stars: usize = self.stars.iter().map(|star| size_of_val(star.slots())).sum();
+        let rotations: usize =
+            self.matches.iter().flatten().map(|matches| size_of::<Vec<u8>>() + matches.len()).sum();
+        size_of_val(self.visits.as_slice())
+            + size_of_val(self.owner.as_slice())
+            + self.opposite.len()
+            + stars
+            + rotations
     }
 
     /// The number of visits.
@@ -83,6 +97,13 @@ impl Walk {
     pub(super) fn place_of(&self, dstate: usize) -> (usize, usize) {
         let visit = self.owner[dstate] as usize;
         (visit, dstate - self.visits[visit].first as usize)
+    }
+
+    /// The dstate one slot further clockwise at the same visit.
+    pub(super) fn clockwise(&self, dstate: usize) -> usize {
+        let stop = &self.visits[self.owner[dstate] as usize];
+        let next = dstate + 1;
+        if next == stop.first as usize + stop.size as usize { stop.first as usize } else { next }
     }
 
     /// The slot of the other direction of the same path fragment.

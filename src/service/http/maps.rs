@@ -24,6 +24,8 @@ pub(super) struct MapState {
     next_seq: u64,
     /// The most candidates kept after an observation.
     max_candidates: usize,
+    /// The most bytes that the search may hold, beside the observations; null without a limit.
+    max_memory: Option<usize>,
     /// What explains its events.
     #[serde(flatten)]
     report: Report,
@@ -31,9 +33,9 @@ pub(super) struct MapState {
 
 impl MapState {
     fn of(name: &MapName, view: &View) -> MapState {
-        let max_candidates = view.config.max_candidates;
+        let MapConfig { max_candidates, max_memory, .. } = view.config;
         let report = Report::new(&view.report);
-        MapState { map: name.to_string(), next_seq: view.next_seq, max_candidates, report }
+        MapState { map: name.to_string(), next_seq: view.next_seq, max_candidates, max_memory, report }
     }
 }
 

@@ -20,14 +20,14 @@ async fn a_map_is_made_once() {
 async fn a_new_map_says_what_it_holds_and_expects() {
     let client = Client::new();
     let expected = json!({
-        "map": "office", "next_seq": 0, "max_candidates": 7, "version": 1,
+        "map": "office", "next_seq": 0, "max_candidates": 7, "max_memory": 1000, "version": 1,
         "candidates": {"value": 0, "relation": "eq"}, "candidates_per_observation": [], "maps_created": 0,
         "refuted": {"determinism": 0, "path-order": 0, "star-match": 0, "travel-moves": 0},
         "strategy": "breadth-first", "profile": "paper",
         "axioms": ["determinism", "star-match", "travel-moves", "path-order"], "complete": true,
         "preferred": null, "minimal": [], "minimal_maps": 0, "stop_reason": null, "extinction": null, "asserts": [],
     });
-    let made = client.put("office", r#"{"profile":"paper","max_candidates":7}"#).await;
+    let made = client.put("office", r#"{"profile":"paper","max_candidates":7,"max_memory":1000}"#).await;
     assert_eq!(made.json(), expected);
 }
 
@@ -83,6 +83,8 @@ async fn a_wrong_configuration_is_refused_at_its_field() {
         (r#"{"max_candidates":0}"#, "/max_candidates"),
         (r#"{"max_candidates":18446744073709551615}"#, "/max_candidates"),
         (r#"{"max_candidates":-1}"#, "/max_candidates"),
+        (r#"{"max_memory":0}"#, "/max_memory"),
+        (r#"{"max_memory":1000000000000}"#, "/max_memory"),
         (r#"{"profile":"paper","profile":"default"}"#, ""),
         ("[]", ""),
         ("null", ""),
