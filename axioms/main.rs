@@ -15,6 +15,7 @@ mod explanation;
 mod clingo;
 mod golden;
 mod judge;
+mod lengths_and_angles;
 mod measured;
 mod best_first;
 mod boundary;

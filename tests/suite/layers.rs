@@ -20,7 +20,7 @@ const MATRIX: &[(&str, &[&str])] = &[
     ("map", &["star"]),
     ("abduction", &["star", "map"]),
     ("metric", &["geometry", "star", "trace", "map", "abduction"]),
-    ("reference", &["star", "abduction"]),
+    ("reference", &["geometry", "star", "trace", "abduction", "metric"]),
     ("classic", &["abduction"]),
     ("explanation", &["star", "map", "abduction"]),
     (
@@ -111,7 +111,7 @@ const NOT_IN_CORE: &[&str] = &[
 ];
 
 /// Modules in which metres have no place.
-const SYMBOLS_ONLY: &[&str] = &["map", "abduction", "reference", "classic", "explanation"];
+const SYMBOLS_ONLY: &[&str] = &["map", "abduction", "classic", "explanation"];
 const NOT_IN_SYMBOLS: &[&str] = &["f64", "f32", "nalgebra", "parry"];
 
 #[test]

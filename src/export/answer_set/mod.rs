@@ -5,20 +5,24 @@ use crate::reference::Story;
 use crate::star::{ControlLaw, LargeScaleStar};
 use std::fmt::Write;
 
+mod bounds;
+
+pub use bounds::{Bounds, Rounding};
+
 /// The theory, file by file. All maps are the models of [`facts`] and all files but the last; with the last the
 /// optimal models are the preferred maps.
 pub const THEORY: [(&str, &str); 7] = [
-    ("star.lp", include_str!("../../axioms/star.lp")),
-    ("causal.lp", include_str!("../../axioms/causal.lp")),
-    ("topological.lp", include_str!("../../axioms/topological.lp")),
-    ("planarity.lp", include_str!("../../axioms/planarity.lp")),
-    ("boundary.lp", include_str!("../../axioms/boundary.lp")),
-    ("metrical.lp", include_str!("../../axioms/metrical.lp")),
+    ("star.lp", include_str!("../../../axioms/star.lp")),
+    ("causal.lp", include_str!("../../../axioms/causal.lp")),
+    ("topological.lp", include_str!("../../../axioms/topological.lp")),
+    ("planarity.lp", include_str!("../../../axioms/planarity.lp")),
+    ("boundary.lp", include_str!("../../../axioms/boundary.lp")),
+    ("metrical.lp", include_str!("../../../axioms/metrical.lp")),
     PREFERENCE,
 ];
 
 /// What makes a map preferred.
-pub const PREFERENCE: (&str, &str) = ("preference.lp", include_str!("../../axioms/preference.lp"));
+pub const PREFERENCE: (&str, &str) = ("preference.lp", include_str!("../../../axioms/preference.lp"));
 
 /// Visits that cannot hold together, found by measuring a model: their observations and the axiom they break.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -30,6 +34,11 @@ pub struct Nogood {
 }
 
 impl Nogood {
+    /// The visits of a story up to an observation, which is as much as any measured axiom asks for.
+    pub fn beginning(axiom: &'static str, story: &Story, latest: usize) -> Nogood {
+        Nogood::new(axiom, story, &(0..=latest).collect::<Vec<usize>>())
+    }
+
     /// The visits of some observations of a story. Whatever story has them breaks the axiom.
     pub fn new(axiom: &'static str, story: &Story, observations: &[usize]) -> Nogood {
         let first = |place| story.iter().position(|visit| visit.0 == place);
