@@ -6,26 +6,35 @@ use crate::reference::{MEASURED, Measured, Story};
 use proptest::prelude::*;
 use topostar::abduction::{Abduction, AxiomId, AxiomSet, Profile, REGISTRY, Visit};
 use topostar::metric::MetricParameters;
+use topostar::star::SmallScaleStar;
 use topostar::trace::Sighting;
 use topostar::worlds::{Drift, corridor_grid, covering_walk, drifting_trace};
 
-/// A walk through a grid with odometry of some quality, said to be better than it is, with gaps in what was measured:
-/// travels without odometry, slots without bearings, starts that have to be guessed.
+/// A walk through a grid with odometry of some quality, said to be better than it is; some travels are measured twice as
+/// long as they are, and there are gaps in what was measured: travels without odometry, slots without bearings, starts
+/// that have to be guessed. The corridors of some grids do not meet at right angles.
 pub(crate) fn measured_walks(most: usize) -> impl Strategy<Value = Vec<Sighting>> {
     let drift = prop_oneof![Just(0.05), Just(0.2), Just(1.0)];
     let boast = prop_oneof![3 => Just(1.0), 1 => Just(0.1), 1 => Just(0.001)];
     let gaps = prop_oneof![2 => Just(0), 1 => any::<u64>()];
-    (any::<u64>(), 2usize..4, 4.0..12.0, drift, boast, gaps, 3..most).prop_map(
-        |(seed, columns, spacing, drift, boast, gaps, travels)| {
+    let stretch = prop_oneof![2 => Just(0), 1 => any::<u16>()];
+    let skew = prop_oneof![1 => Just(0.0), 1 => Just(0.5)];
+    (any::<u64>(), 2usize..4, 4.0..12.0, drift, boast, (gaps, stretch, skew), 3..most).prop_map(
+        |(seed, columns, spacing, drift, boast, (gaps, stretch, skew), travels)| {
             let places = corridor_grid(2, columns, spacing);
             let mut walk = covering_walk(&places, seed);
             walk.leave.truncate(travels);
             let trace = drifting_trace(&places, &walk, Drift::WORST.scaled(drift), seed).unwrap();
             let mut seen = sightings(&trace.events);
-            for (k, sighting) in seen.iter_mut().enumerate() {
+            for (k, (sighting, &(place, rotation))) in seen.iter_mut().zip(&trace.truth).enumerate() {
+                *sighting = bent(sighting, rotation, f64::from((seed >> (place % 60)) as u8 & 3) * skew);
                 if let Some(motion) = &mut sighting.motion {
                     motion.covariance = motion.covariance.map(|entry| entry * boast);
                     motion.start_given = seed % 3 != 0;
+                    if stretch >> (k % 16) & 3 == 3 {
+                        (motion.odometry.x, motion.odometry.y) =
+                            (2.0 * motion.odometry.x, 2.0 * motion.odometry.y);
+                    }
                 }
                 if gaps >> (k % 16) & 7 == 7 {
                     sighting.motion = None;
@@ -37,18 +46,30 @@ pub(crate) fn measured_walks(most: usize) -> impl Strategy<Value = Vec<Sighting>
     )
 }
 
+/// The same, with the corridor at the first slot of a place bent aside by an angle.
+fn bent(sighting: &Sighting, rotation: u8, by: f64) -> Sighting {
+    let mut slots = sighting.star.slots().to_vec();
+    let first = (slots.len() - usize::from(rotation)) % slots.len();
+    slots[first].bearing = slots[first].bearing.map(|bearing| bearing + by);
+    let star = SmallScaleStar::new(slots).unwrap();
+    Sighting { star, ..sighting.clone() }
+}
+
 /// The same, with bearings of slots left out where three bits are set.
 fn without_some_bearings(sighting: &Sighting, gaps: u64) -> Sighting {
     let mut slots = sighting.star.slots().to_vec();
     let unseen = slots.iter_mut().enumerate().filter(|(slot, _)| gaps >> (5 * slot) & 7 == 7);
     unseen.for_each(|(_, slot)| slot.bearing = None);
-    let star = topostar::star::SmallScaleStar::new(slots).unwrap();
+    let star = SmallScaleStar::new(slots).unwrap();
     Sighting { star, ..sighting.clone() }
 }
 
-/// The longest beginning with few maps under the symbolic axioms, these maps, and its visits.
-pub(crate) fn few_maps(seen: &[Sighting], most: usize) -> (&[Sighting], Vec<Visit>, Vec<Story>) {
-    let symbols = AxiomSet::of(Profile::Default).without_measured();
+/// The longest beginning with few maps under some symbolic axioms, its visits, and these maps.
+pub(crate) fn few_maps(
+    seen: &[Sighting],
+    symbols: AxiomSet,
+    most: usize,
+) -> (&[Sighting], Vec<Visit>, Vec<Story>) {
     let few = (1..=seen.len()).take_while(|&length| explain(&seen[..length], symbols).len() <= most);
     let seen = &seen[..few.last().unwrap_or(1)];
     (seen, seen.iter().map(Visit::from).collect(), stories(&explain(seen, symbols)))
@@ -66,7 +87,8 @@ pub(crate) fn obeys(measured: &Measured, visits: &[Visit], story: &Story, laws: 
 }
 
 fn refuted_by_the_reference(seen: &[Sighting], most: usize) -> Result<[usize; 2], TestCaseError> {
-    let (seen, visits, all) = few_maps(seen, most);
+    let symbols = AxiomSet::of(Profile::Default).without_measured();
+    let (seen, visits, all) = few_maps(seen, symbols, most);
     let measured = Measured::new(seen, MetricParameters::default());
     let agree = |found: &Abduction, laws: &[&str]| -> Result<usize, TestCaseError> {
         let expected: Vec<Story> =
@@ -92,7 +114,7 @@ proptest! {
 #[test]
 fn both_refute_on_recorded_traces() {
     let [distance, _] = refuted_by_the_reference(&recorded("ring-10-30"), 2000).unwrap();
-    let [_, angle] = refuted_by_the_reference(&recorded("grid4x4-drift"), 2000).unwrap();
+    let [_, angle] = refuted_by_the_reference(&recorded("rhombus"), 2000).unwrap();
     assert!(distance > 0 && angle > 0, "{distance} {angle}");
 }
 

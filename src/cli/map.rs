@@ -38,7 +38,7 @@ pub(super) struct Map {
     visits: Option<PathBuf>,
     /// A choice of axioms; `default` unless the trace is one of views, then `classic`.
     #[arg(long, value_enum)]
-    profile: Option<AnyProfileName>,
+    profile: Option<ProfileName>,
     /// Hold boundaries too: a path divides what is right of it from what is left.
     #[arg(long, value_enum)]
     boundary: Option<BoundaryName>,
@@ -79,14 +79,6 @@ pub(super) enum ProfileName {
     Paper,
     /// With planarity.
     Default,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum AnyProfileName {
-    /// The axioms of Beeson et al. 2003.
-    Paper,
-    /// With planarity.
-    Default,
     /// The original SSH, for traces of views.
     Classic,
 }
@@ -115,7 +107,7 @@ impl Map {
         let started = Instant::now();
         let input = read_events(&self.input, self.visits.as_deref())?;
         // Where there is nothing to tell by, the options do.
-        let asked = input.events.is_empty() && matches!(self.profile, Some(AnyProfileName::Classic));
+        let asked = input.events.is_empty() && matches!(self.profile, Some(ProfileName::Classic));
         let (axioms, strategy) = match self.theory(asked || is_of_views(&input.events))? {
             Theory::Views => return classic::run(&self, input),
             Theory::Stars(axioms, strategy) => (axioms, strategy),
@@ -153,7 +145,7 @@ impl Map {
                 _ if reasons => {
                     Err(self.misfit("is a trace of views, with which --explain and --assert do not go yet"))
                 }
-                Some(AnyProfileName::Classic) => Ok(Theory::Views),
+                Some(ProfileName::Classic) => Ok(Theory::Views),
                 None => {
                     eprintln!("{}: a trace of views, explained in profile classic", self.input.display());
                     Ok(Theory::Views)
@@ -162,9 +154,9 @@ impl Map {
             };
         }
         let profile = match self.profile {
-            None | Some(AnyProfileName::Default) => Profile::Default,
-            Some(AnyProfileName::Paper) => Profile::Paper,
-            Some(AnyProfileName::Classic) => {
+            None | Some(ProfileName::Default) => Profile::Default,
+            Some(ProfileName::Paper) => Profile::Paper,
+            Some(ProfileName::Classic) => {
                 return Err(self.misfit("is no trace of views, and profile classic explains nothing else"));
             }
         };
@@ -244,15 +236,6 @@ struct Explained {
     events: Vec<Arc<Event>>,
     session: Session,
     fault: Option<Failure>,
-}
-
-impl From<ProfileName> for Profile {
-    fn from(name: ProfileName) -> Profile {
-        match name {
-            ProfileName::Paper => Profile::Paper,
-            ProfileName::Default => Profile::Default,
-        }
-    }
 }
 
 /// What is to explain a trace.

@@ -13,6 +13,8 @@ mod failure;
 mod input;
 mod map;
 mod serve;
+mod star_race;
+mod view_race;
 mod words;
 mod world;
 

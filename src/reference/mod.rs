@@ -13,6 +13,7 @@ mod measured;
 mod planarity;
 mod simplicity;
 mod told;
+pub mod views;
 
 pub use boundary::{Evidence, abnormalities, beside};
 pub use laws::{DEFAULT, PAPER, UNKNOWN, knows, obeys};

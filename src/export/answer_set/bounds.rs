@@ -53,6 +53,13 @@ impl Bounds {
         Bounds { lengths, bearings: measured.bearings().iter().map(slots).collect() }
     }
 
+    /// The bounds of the first observations.
+    #[must_use]
+    pub fn first(&self, observations: usize) -> Bounds {
+        let lengths = self.lengths.iter().take(observations).copied().collect();
+        Bounds { lengths, bearings: self.bearings.iter().take(observations).cloned().collect() }
+    }
+
     /// The facts, in the words of `axioms/metrical.lp`.
     pub fn facts(&self) -> String {
         let mut text = String::new();
