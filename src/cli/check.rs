@@ -1,12 +1,13 @@
 //! `topostar check`: the search, the slow reference and clingo on one trace, and whether they agree.
 
-use crate::abduction::{Assertion, AxiomSet, Boundary, Profile, Visit};
+use crate::abduction::{Assertion, Visit};
+use crate::cli::axiom_choice::AxiomChoice;
 use crate::cli::classic::is_of_views;
 use crate::cli::clingo::Clingo;
 use crate::cli::comparison::{Comparison, Difference, Found, Race, Step};
 use crate::cli::failure::Failure;
 use crate::cli::input::{Events, read_events};
-use crate::cli::map::{BoundaryName, ProfileName, progress};
+use crate::cli::map::progress;
 use crate::cli::star_race::{Question, Senses, StarRace};
 use crate::cli::view_race::ViewRace;
 use crate::reference;
@@ -34,15 +35,8 @@ Examples:
 pub(super) struct Check {
     /// A trace (.ndjson), or - for standard input.
     input: PathBuf,
-    /// A choice of axioms. Unless given: classic for a trace of views, default for others.
-    #[arg(long, value_enum)]
-    profile: Option<ProfileName>,
-    /// Hold boundaries too: a path divides what is right of it from what is left.
-    #[arg(long, value_enum)]
-    boundary: Option<BoundaryName>,
-    /// Exactly these axioms in place of a profile, names with commas between.
-    #[arg(long, conflicts_with_all = ["profile", "boundary"])]
-    axioms: Option<AxiomSet>,
+    #[command(flatten)]
+    held: AxiomChoice,
     /// The most candidates compared after an observation; the comparison ends before the first with more.
     #[arg(long, default_value_t = 10_000, value_parser = clap::value_parser!(u64).range(1..))]
     max_candidates: u64,
@@ -73,15 +67,7 @@ impl Check {
     }
 
     fn stars(&self, input: Events) -> Result<(), Failure> {
-        let profile = match self.profile {
-            None | Some(ProfileName::Default) => Profile::Default,
-            Some(ProfileName::Paper) => Profile::Paper,
-            Some(ProfileName::Classic) => {
-                return Err(self.misfit("is no trace of views, and profile classic explains nothing else"));
-            }
-        };
-        let boundary = self.boundary.map(Boundary::from);
-        let axioms = self.axioms.unwrap_or_else(|| AxiomSet::of(profile).with_boundary(boundary));
+        let axioms = self.held.for_stars().map_err(|why| self.misfit(why))?;
         let Read { seen, word, fault } = read(&self.input, input);
         let visits = seen.iter().map(Visit::from).collect();
         let question =
@@ -90,10 +76,7 @@ impl Check {
     }
 
     fn views(&self, input: Events) -> Result<(), Failure> {
-        let for_stars = self.axioms.is_some() || self.boundary.is_some();
-        if for_stars || !matches!(self.profile, None | Some(ProfileName::Classic)) {
-            return Err(self.misfit("is a trace of views, which profile classic alone explains"));
-        }
+        self.held.for_views().map_err(|why| self.misfit(why))?;
         let (mut session, mut fault) = (ViewSession::new(), input.fault);
         for (place, event) in &input.events {
             if let Err(error) = session.accept(event) {

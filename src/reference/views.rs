@@ -50,8 +50,7 @@ fn children(story: &Story) -> impl Iterator<Item = Story> {
 /// Whether a story obeys a law; true of laws that are not in [`LAWS`].
 pub fn obeys(seen: &[Sight], story: &Story, law: &str) -> bool {
     let schemas = schemas(seen, story);
-    let facts = Facts::of(&schemas, dstate_count(story));
-    let mut dstates = 0..dstate_count(story);
+    let facts = || Facts::of(&schemas, dstate_count(story));
     match law {
         "view" => {
             let equal = |k: usize, l: usize| story[k] != story[l] || seen[k].view == seen[l].view;
@@ -60,13 +59,21 @@ pub fn obeys(seen: &[Sight], story: &Story, law: &str) -> bool {
         "determinism" => schemas
             .iter()
             .all(|(d, a, e)| schemas.iter().all(|(other, b, far)| (other, b) != (d, a) || far == e)),
-        "direction" => dstates.all(|d| !facts.opposed[d][d]),
-        "turn-path" => schemas
-            .iter()
-            .filter(|(_, action, _)| matches!(action, Action::Left | Action::Right))
-            .all(|&(d, _, e)| !facts.same[d][e] && !facts.opposed[d][e]),
-        "one-dstate" => dstates.all(|d| (0..d).all(|e| !(facts.together[d][e] && facts.same[d][e]))),
-        "path-order" => strictly_ordered(&schemas, &facts),
+        "direction" => {
+            let opposed = facts().opposed;
+            (0..opposed.len()).all(|d| !opposed[d][d])
+        }
+        "turn-path" => {
+            let Facts { same, opposed, .. } = facts();
+            let mut turns =
+                schemas.iter().filter(|(_, action, _)| matches!(action, Action::Left | Action::Right));
+            turns.all(|&(d, _, e)| !same[d][e] && !opposed[d][e])
+        }
+        "one-dstate" => {
+            let Facts { same, together, .. } = facts();
+            (0..same.len()).all(|d| (0..d).all(|e| !(together[d][e] && same[d][e])))
+        }
+        "path-order" => strictly_ordered(&schemas, &facts()),
         _ => true,
     }
 }
@@ -101,6 +108,7 @@ pub fn places(seen: &[Sight], story: &Story) -> Vec<usize> {
 }
 
 /// What follows from causal schemas for pairs of dstates.
+#[derive(Clone, PartialEq)]
 struct Facts {
     /// They face along one path in one direction.
     same: Vec<Vec<bool>>,
@@ -126,17 +134,21 @@ impl Facts {
                 (facts.together[d][e], facts.together[e][d]) = (true, true);
             }
         }
-        // Until nothing more follows, as each round of all triples may.
-        for _ in 0..=2 * count {
-            for (d, e, f) in triples(count) {
-                facts.together[d][f] |= facts.together[d][e] && facts.together[e][f];
-                facts.same[d][f] |= facts.same[d][e] && facts.same[e][f];
-                facts.same[d][f] |= facts.opposed[d][e] && facts.opposed[e][f];
-                facts.opposed[d][f] |= facts.same[d][e] && facts.opposed[e][f];
-                facts.opposed[d][f] |= facts.opposed[d][e] && facts.same[e][f];
-            }
-        }
+        while facts.follow(count) {}
         facts
+    }
+
+    /// What follows from any two; whether anything new does.
+    fn follow(&mut self, count: usize) -> bool {
+        let before = self.clone();
+        for (d, e, f) in triples(count) {
+            self.together[d][f] |= self.together[d][e] && self.together[e][f];
+            self.same[d][f] |= self.same[d][e] && self.same[e][f];
+            self.same[d][f] |= self.opposed[d][e] && self.opposed[e][f];
+            self.opposed[d][f] |= self.same[d][e] && self.opposed[e][f];
+            self.opposed[d][f] |= self.opposed[d][e] && self.same[e][f];
+        }
+        *self != before
     }
 
     /// The least dstate that a relation joins to one.
