@@ -1,7 +1,7 @@
 //! Profile `classic`: the searches find the maps of the reference and only these, and every axiom refutes exactly
 //! what breaks it.
 
-use crate::classic_reference::{self as reference, LAWS, Story};
+use crate::reference::views::{self as reference, LAWS, Story};
 use proptest::prelude::*;
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
@@ -18,7 +18,7 @@ fn sights(seen: &[Sight]) -> Sights {
     sights
 }
 
-fn exhaustive(seen: &[Sight]) -> Exhaustive {
+pub(crate) fn exhaustive(seen: &[Sight]) -> Exhaustive {
     breadth_first(&sights(seen), NO_LIMIT)
 }
 
@@ -26,11 +26,11 @@ fn story(candidate: &Candidate) -> Story {
     candidate.dstates.iter().map(|dstate| dstate.index()).collect()
 }
 
-fn stories(found: &Exhaustive) -> Vec<Story> {
+pub(crate) fn stories(found: &Exhaustive) -> Vec<Story> {
     found.candidates().map(|candidate| story(&candidate)).collect()
 }
 
-fn minimal(report: &Report) -> Vec<Story> {
+pub(crate) fn minimal(report: &Report) -> Vec<Story> {
     report.minimal.iter().map(story).collect()
 }
 
@@ -261,7 +261,7 @@ fn simplest_first(seen: &[Sight]) -> (Option<Story>, u64) {
         }
         let known = (1..story.len())
             .any(|k| story[k - 1] == story[story.len() - 1] && seen[k].action == seen[story.len()].action);
-        for child in reference::children(seen, &story) {
+        for child in reference::extensions(&seen[..=story.len()], std::slice::from_ref(&story), &LAWS) {
             nodes += 1;
             made += u64::from(!known);
             agenda.push((nodes, child));
@@ -271,14 +271,14 @@ fn simplest_first(seen: &[Sight]) -> (Option<Story>, u64) {
 
 /// A walk through a world of views, as observed and as it was.
 #[derive(Clone, Debug)]
-struct ViewWalk {
-    seen: Vec<Sight>,
+pub(crate) struct ViewWalk {
+    pub(crate) seen: Vec<Sight>,
     truth: Story,
 }
 
 /// Walks through worlds whose places have two to four dstates, opposite ones half the circle apart, few views, and
 /// travels joined at random. Such a world need not obey the order of paths.
-fn view_walks(most: usize) -> impl Strategy<Value = ViewWalk> {
+pub(crate) fn view_walks(most: usize) -> impl Strategy<Value = ViewWalk> {
     let place = prop::sample::select(vec![2usize, 4, 4]);
     let places = prop::collection::vec((place, prop::collection::vec(0..3u16, 4)), 1..4);
     let joins = prop::collection::vec(any::<u16>(), 16);
@@ -327,7 +327,7 @@ fn walk(places: &[(usize, Vec<u16>)], joins: &[u16], steps: &[u8]) -> ViewWalk {
 }
 
 /// Observations without a world.
-fn lies(most: usize) -> impl Strategy<Value = Vec<Sight>> {
+pub(crate) fn lies(most: usize) -> impl Strategy<Value = Vec<Sight>> {
     let sight = (prop::sample::select(Action::ALL.to_vec()), 0..2u16)
         .prop_map(|(action, view)| Sight { action, view: ViewId(view) });
     prop::collection::vec(sight, 1..most)

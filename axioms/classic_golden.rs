@@ -1,6 +1,6 @@
 //! The route of the seed's experiment in profile `classic`: the figures of `worlds/README.md`.
 
-use crate::classic_reference::{self as reference, LAWS};
+use crate::reference::views::{self as reference, LAWS};
 use std::fs::File;
 use std::io::BufReader;
 use topostar::abduction::Relation;
@@ -14,6 +14,11 @@ fn recorded() -> Vec<Event> {
     let (events, fault) = read_trace(BufReader::new(File::open(path).unwrap()));
     assert!(fault.is_none(), "{fault:?}");
     events
+}
+
+/// What was seen on the recorded route.
+pub(crate) fn recorded_views() -> Sights {
+    session(&recorded()).seen().clone()
 }
 
 fn session(events: &[Event]) -> ViewSession {

@@ -1,40 +1,31 @@
-"""Answers for axioms/clingo.rs: a request is a line of JSON with facts, the answer a line with models.
+"""Answers for axioms/clingo.rs: a request is a line of JSON with a program, the answer a line with models.
 
-usage: clingo_oracle.py FOLDER, that of the theory files
-request: {"facts": text, "preferred": whether only the optimal models are asked for}
-answer: for each model its visits, each [observation, place, rotation]
+request: {"program": text, "preferred": whether only the optimal models are asked for}
+answer: for each model its atoms shown
 """
 
 import json
 import sys
-from pathlib import Path
 
 import clingo
 
-THEORY = ["star", "causal", "topological", "planarity", "boundary", "metrical"]
 
-
-def solve(folder, facts, preferred):
+def solve(program, preferred):
     options = ["--opt-mode=optN", "--project=show"] if preferred else []
     control = clingo.Control(["0", "--warn=no-other", *options])
-    for name in THEORY + ["preference"] * preferred:
-        control.load(str(folder / f"{name}.lp"))
-    control.add("base", [], facts)
+    control.add("base", [], program)
     control.ground([("base", [])])
     models = []
     with control.solve(yield_=True) as handle:
         for model in handle:
             if not preferred or model.optimality_proven:
-                atoms = model.symbols(shown=True)
-                models.append([[term.number for term in atom.arguments] for atom in atoms])
+                models.append([str(atom) for atom in model.symbols(shown=True)])
     return models
 
 
 def main():
-    folder = Path(sys.argv[1])
     for line in sys.stdin:
-        request = json.loads(line)
-        models = solve(folder, request["facts"], request["preferred"])
+        models = solve(**json.loads(line))
         print(json.dumps(models, separators=(",", ":")), flush=True)
 
 

@@ -2,8 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a helper of tests fails the test")]
 
-mod classic_reference;
 mod engine;
+mod solver;
 mod strategies;
 mod traces;
 
@@ -13,8 +13,12 @@ mod classic;
 mod classic_golden;
 mod explanation;
 mod clingo;
+mod clingo_measured;
+mod clingo_views;
+mod coverage;
 mod golden;
 mod judge;
+mod lengths_and_angles;
 mod measured;
 mod best_first;
 mod boundary;

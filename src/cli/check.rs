@@ -1,17 +1,23 @@
 //! `topostar check`: the search, the slow reference and clingo on one trace, and whether they agree.
 
-use crate::abduction::{Assertion, AxiomSet, Boundary, Visit};
+use crate::abduction::{Assertion, Visit};
+use crate::cli::axiom_choice::AxiomChoice;
+use crate::cli::classic::is_of_views;
 use crate::cli::clingo::Clingo;
-use crate::cli::comparison::{Comparison, Difference, Effect, Found, Question, Race, Step};
+use crate::cli::comparison::{Comparison, Difference, Found, Race, Step};
 use crate::cli::failure::Failure;
-use crate::cli::input::read_events;
-use crate::cli::map::{BoundaryName, ProfileName, progress};
-use crate::export::answer_set::{PREFERENCE, THEORY, facts};
-use crate::reference::Story;
+use crate::cli::input::{Events, read_events};
+use crate::cli::map::progress;
+use crate::cli::star_race::{Question, Senses, StarRace};
+use crate::cli::view_race::ViewRace;
+use crate::reference;
+use crate::reference::views;
+use crate::service::ViewSession;
 use crate::star::PerceptionParameters;
 use crate::trace::perceive::perceive;
-use crate::trace::{Assert, Event, EventError, EventKind, Experience};
+use crate::trace::{Assert, Event, EventError, EventKind, Experience, Sighting};
 use clap::Args;
+use serde::Serialize;
 use std::fs;
 use std::io::{Write, stdout};
 use std::path::{Path, PathBuf};
@@ -29,15 +35,8 @@ Examples:
 pub(super) struct Check {
     /// A trace (.ndjson), or - for standard input.
     input: PathBuf,
-    /// A choice of axioms.
-    #[arg(long, value_enum, default_value_t = ProfileName::Default)]
-    profile: ProfileName,
-    /// Hold boundaries too: a path divides what is right of it from what is left.
-    #[arg(long, value_enum)]
-    boundary: Option<BoundaryName>,
-    /// Exactly these axioms in place of a profile, names with commas between.
-    #[arg(long, conflicts_with_all = ["profile", "boundary"])]
-    axioms: Option<AxiomSet>,
+    #[command(flatten)]
+    held: AxiomChoice,
     /// The most candidates compared after an observation; the comparison ends before the first with more.
     #[arg(long, default_value_t = 10_000, value_parser = clap::value_parser!(u64).range(1..))]
     max_candidates: u64,
@@ -48,7 +47,8 @@ pub(super) struct Check {
     /// Print the comparison as one JSON object.
     #[arg(long, conflicts_with = "lp")]
     json: bool,
-    /// Compare nothing; write trace, axioms and theory as an answer-set program, whose models are the candidates.
+    /// Write trace, axioms and theory as an answer-set program, whose models are the candidates. What measurements refute
+    /// and no rule says is found by comparing, as far as --max-candidates lets, and written as clashes.
     #[arg(long)]
     lp: bool,
     /// Write facts.lp and the files of the theory there, preference.lp among them, in place of one program to
@@ -59,22 +59,48 @@ pub(super) struct Check {
 
 impl Check {
     pub(super) fn run(self) -> Result<(), Failure> {
-        let Read { visits, word, fault } = read(&self.input)?;
-        let boundary = self.boundary.map(Boundary::from);
-        let profile = || AxiomSet::of(self.profile.into()).with_boundary(boundary);
-        let axioms = self.axioms.unwrap_or_else(profile);
+        let input = read_events(&self.input, None)?;
+        match is_of_views(&input.events) {
+            true => self.views(input),
+            false => self.stars(input),
+        }
+    }
+
+    fn stars(&self, input: Events) -> Result<(), Failure> {
+        let axioms = self.held.for_stars().map_err(|why| self.misfit(why))?;
+        let Read { seen, word, fault } = read(&self.input, input);
+        let visits = seen.iter().map(Visit::from).collect();
+        let question =
+            Question { visits, axioms, word, most: self.most(), senses: Senses::of(&seen, axioms) };
+        self.conclude(StarRace::new(&question), fault)
+    }
+
+    fn views(&self, input: Events) -> Result<(), Failure> {
+        self.held.for_views().map_err(|why| self.misfit(why))?;
+        let (mut session, mut fault) = (ViewSession::new(), input.fault);
+        for (place, event) in &input.events {
+            if let Err(error) = session.accept(event) {
+                fault = Some(Failure::input(&self.input, format!("{place}: {error}")));
+                break;
+            }
+        }
+        self.conclude(ViewRace::new(session.seen().as_slice(), self.most()), fault)
+    }
+
+    /// Compares, or writes the program, and says what came of it.
+    fn conclude<R: Race<Story: Told>>(&self, mut race: R, fault: Option<Failure>) -> Result<(), Failure> {
         if self.lp {
-            write_program(self.output.as_deref(), &facts(&visits, axioms, &word))?;
+            if race.clashes() {
+                self.race(&mut race)?;
+            }
+            self.write_program(&race)?;
             return fault.map_or(Ok(()), Err);
         }
         let clingo = match &self.clingo {
             Some(path) if path == Path::new("none") => None,
             path => Clingo::find(path.as_deref())?,
         };
-        let most = usize::try_from(self.max_candidates).unwrap_or(usize::MAX);
-        let axioms = axioms.without_measured();
-        let question = Question { visits: &visits, axioms, word: &word, most };
-        let comparison = self.compare(question, clingo.as_ref())?;
+        let comparison = self.compare(&mut race, clingo.as_ref())?;
         match self.json {
             true => writeln!(stdout(), "{}", json(&comparison)?)?,
             false => write!(stdout(), "{}", in_words(&comparison))?,
@@ -82,28 +108,30 @@ impl Check {
         fault.map_or_else(|| self.verdict(&comparison), Err)
     }
 
-    fn compare(&self, question: Question<'_>, clingo: Option<&Clingo>) -> Result<Comparison, Failure> {
-        let (race, difference) = self.race(question)?;
-        let mut comparison = Comparison::new(&race, difference);
-        let compared = Question { visits: race.seen(), ..question };
+    fn compare<R: Race>(
+        &self,
+        race: &mut R,
+        clingo: Option<&Clingo>,
+    ) -> Result<Comparison<R::Story>, Failure> {
+        let difference = self.race(race)?;
+        let mut comparison = Comparison::new(race, difference);
         if let Some(clingo) = clingo {
             eprintln!("asking clingo");
-            ask(clingo, &race, &compared, &mut comparison)?;
+            comparison.ask(clingo, race, self.most())?;
         }
-        for axiom in question.axioms.iter() {
-            eprintln!("without {}", axiom.name);
-            comparison.axioms.push(Effect::of(axiom, &compared).map_err(|error| self.refused(error))?);
+        for axiom in race.axioms() {
+            eprintln!("without {axiom}");
+            comparison.axioms.push(race.effect(axiom)?);
         }
         Ok(comparison)
     }
 
     /// Search and reference side by side, as far as they agree and are few.
-    fn race<'a>(&self, question: Question<'a>) -> Result<(Race<'a>, Option<Difference>), Failure> {
-        let mut race = Race::new(question);
-        let bar = progress(question.visits.len());
+    fn race<R: Race>(&self, race: &mut R) -> Result<Option<Difference<R::Story>>, Failure> {
+        let bar = progress(race.observations());
         let mut difference = None;
-        for _ in question.visits {
-            match race.step().map_err(|error| self.refused(error))? {
+        while race.compared() < race.observations() {
+            match race.step()? {
                 Step::Agreed => {}
                 Step::TooMany => break,
                 Step::Differ(found) => {
@@ -112,17 +140,42 @@ impl Check {
                 }
             }
             bar.inc(1);
-            bar.set_message(format!("{} candidates", race.len()));
+            bar.set_message(format!("{} candidates", race.stories().len()));
         }
         bar.finish_and_clear();
-        Ok((race, difference))
+        Ok(difference)
     }
 
-    fn refused(&self, error: impl std::fmt::Display) -> Failure {
-        Failure::input(&self.input, error)
+    fn write_program<R: Race>(&self, race: &R) -> Result<(), Failure> {
+        let (theory, facts) = (race.theory(), race.facts(race.observations()));
+        if race.clashes() && race.compared() < race.observations() {
+            let last = race.compared().saturating_sub(1);
+            eprintln!(
+                "what measurements refute is written up to observation {last}; models may be more than candidates"
+            );
+        }
+        let Some(folder) = &self.output else {
+            return Ok(write!(stdout(), "{}", theory.program(&facts, false))?);
+        };
+        fs::create_dir_all(folder).map_err(|error| Failure::writing(folder, error))?;
+        let files: Vec<(&str, &str)> = theory.files().collect();
+        for (name, text) in files.into_iter().chain([("facts.lp", facts.as_str())]) {
+            let file = folder.join(name);
+            fs::write(&file, text).map_err(|error| Failure::writing(&file, error))?;
+        }
+        eprintln!("written to {}", folder.display());
+        Ok(())
     }
 
-    fn verdict(&self, found: &Comparison) -> Result<(), Failure> {
+    fn most(&self) -> usize {
+        usize::try_from(self.max_candidates).unwrap_or(usize::MAX)
+    }
+
+    fn misfit(&self, what: &str) -> Failure {
+        Failure::Usage(format!("{}: {what}", self.input.display()))
+    }
+
+    fn verdict<S: Told>(&self, found: &Comparison<S>) -> Result<(), Failure> {
         if let Some(difference) = &found.difference {
             return Err(Failure::Broken(in_short(difference)));
         }
@@ -143,32 +196,31 @@ impl Check {
     }
 }
 
-/// A trace up to its first fault.
+/// A trace of stars up to its first fault.
 struct Read {
-    visits: Vec<Visit>,
+    seen: Vec<Sighting>,
     /// What an operator said, in the end.
     word: Vec<Assertion>,
     fault: Option<Failure>,
 }
 
-fn read(input: &Path) -> Result<Read, Failure> {
-    let events = read_events(input, None)?;
+fn read(input: &Path, events: Events) -> Read {
     let mut experience = Experience::new();
-    let mut read = Read { visits: Vec::new(), word: Vec::new(), fault: events.fault };
+    let mut read = Read { seen: Vec::new(), word: Vec::new(), fault: events.fault };
     for (place, event) in &events.events {
         if let Err(error) = read.take(&mut experience, event) {
             read.fault = Some(Failure::input(input, format!("{place}: {error}")));
             break;
         }
     }
-    Ok(read)
+    read
 }
 
 impl Read {
     fn take(&mut self, experience: &mut Experience, event: &Event) -> Result<(), EventError> {
         let parameters = PerceptionParameters::default();
         let sighting = experience.accept(event, &|lpm, first| perceive(lpm, first, &parameters));
-        self.visits.extend(sighting.map_err(|error| error.at())?.iter().map(Visit::from));
+        self.seen.extend(sighting.map_err(|error| error.at())?);
         match event.kind {
             EventKind::Assert(Assert { visits, same }) => {
                 self.word.push(Assertion { id: event.seq, visits, same });
@@ -180,35 +232,36 @@ impl Read {
     }
 }
 
-/// Adds what clingo found, and the first difference to that.
-fn ask(
-    clingo: &Clingo,
-    race: &Race<'_>,
-    question: &Question<'_>,
-    comparison: &mut Comparison,
-) -> Result<(), Failure> {
-    let facts = facts(question.visits, question.axioms, question.word);
-    let observations = question.visits.len();
-    let candidates = clingo.candidates(&facts, observations, question.most.saturating_add(1))?;
-    let minimal = clingo.minimal(&facts, observations)?;
-    let differs = |among, theirs, ours| {
-        Difference::first(observations.saturating_sub(1), among, ("reference", theirs), ("clingo", ours))
-    };
-    let found = || {
-        differs("candidates", race.stories(), &candidates)
-            .or_else(|| differs("minimal", &comparison.reference.minimal, &minimal))
-    };
-    comparison.difference = comparison.difference.take().or_else(found);
-    comparison.equal = comparison.difference.is_none();
-    comparison.clingo = Some(race.found(&candidates, minimal));
-    Ok(())
+/// A candidate in words.
+trait Told: Ord + Clone + Serialize {
+    /// What is told of each observation.
+    const OF: &'static str;
+
+    fn told(&self) -> String;
 }
 
-fn json(comparison: &Comparison) -> Result<String, Failure> {
+impl Told for reference::Story {
+    const OF: &'static str = "place.rotation of each visit";
+
+    fn told(&self) -> String {
+        let told = self.iter().map(|(place, rotation)| format!("{place}.{rotation}"));
+        told.collect::<Vec<String>>().join(" ")
+    }
+}
+
+impl Told for views::Story {
+    const OF: &'static str = "dstate of each view";
+
+    fn told(&self) -> String {
+        self.iter().map(usize::to_string).collect::<Vec<String>>().join(" ")
+    }
+}
+
+fn json<S: Serialize>(comparison: &Comparison<S>) -> Result<String, Failure> {
     serde_json::to_string_pretty(comparison).map_err(|error| Failure::Broken(error.to_string()))
 }
 
-fn in_words(found: &Comparison) -> String {
+fn in_words<S: Told>(found: &Comparison<S>) -> String {
     let mut text = format!(
         "profile {}, observations compared {} of {}\n",
         found.profile, found.compared, found.observations
@@ -233,12 +286,18 @@ fn in_words(found: &Comparison) -> String {
         };
         text += &format!("{:<14} {what}\n", effect.axiom);
     }
-    text += "\npreferred, as place.rotation of each visit\n";
-    let lines = found.reference.minimal.iter().map(|story| format!("  {}\n", visits(story)));
+    if !found.stated_once.is_empty() {
+        let once = found.stated_once.join(", ");
+        text += &format!(
+            "not compared: what {once} say; all take it from the search's own measure, map by map\n"
+        );
+    }
+    text += &format!("\npreferred, as {}\n", S::OF);
+    let lines = found.reference.minimal.iter().map(|story| format!("  {}\n", story.told()));
     text + &lines.collect::<String>()
 }
 
-fn numbers(found: &Found) -> String {
+fn numbers<S>(found: &Found<S>) -> String {
     let simplest = found.size.map_or(String::new(), |size| {
         let ranked = size.abnormalities.map_or(String::new(), |count| format!(" {count} abnormalities,"));
         format!(", {} preferred:{ranked} {} paths, {} places", found.minimal.len(), size.paths, size.places)
@@ -246,27 +305,7 @@ fn numbers(found: &Found) -> String {
     format!("{} candidates{simplest}", found.candidates)
 }
 
-fn in_short(difference: &Difference) -> String {
-    let Difference { observation, only, not, among, visits: story } = difference;
-    format!("{only} has among the {among} at observation {observation} what {not} has not: {}", visits(story))
-}
-
-fn visits(story: &Story) -> String {
-    let told = story.iter().map(|(place, rotation)| format!("{place}.{rotation}"));
-    told.collect::<Vec<String>>().join(" ")
-}
-
-fn write_program(folder: Option<&Path>, facts: &str) -> Result<(), Failure> {
-    let Some(folder) = folder else {
-        let theory = THEORY.iter().filter(|file| **file != PREFERENCE).map(|(_, text)| *text);
-        let program: Vec<&str> = theory.chain([facts]).collect();
-        return Ok(write!(stdout(), "{}", program.join("\n"))?);
-    };
-    fs::create_dir_all(folder).map_err(|error| Failure::writing(folder, error))?;
-    for (name, text) in THEORY.iter().chain([&("facts.lp", facts)]) {
-        let file = folder.join(name);
-        fs::write(&file, text).map_err(|error| Failure::writing(&file, error))?;
-    }
-    eprintln!("written to {}", folder.display());
-    Ok(())
+fn in_short<S: Told>(difference: &Difference<S>) -> String {
+    let Difference { observation, only, not, among, visits } = difference;
+    format!("{only} has among the {among} at observation {observation} what {not} has not: {}", visits.told())
 }

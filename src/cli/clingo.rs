@@ -1,8 +1,7 @@
 //! clingo as a judge: an executable of its own, or the module of a Python.
 
 use crate::cli::failure::Failure;
-use crate::export::answer_set::{PREFERENCE, THEORY, story};
-use crate::reference::Story;
+use crate::export::answer_set::Theory;
 use serde::Deserialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -67,24 +66,27 @@ impl Clingo {
     }
 
     /// All candidates, in lexicographic order, but no more than `most`.
-    pub(super) fn candidates(
+    pub(super) fn candidates<S: Ord>(
         &self,
+        theory: &Theory<S>,
         facts: &str,
         observations: usize,
         most: usize,
-    ) -> Result<Vec<Story>, Failure> {
-        let theory = THEORY.iter().filter(|file| **file != PREFERENCE);
-        let program = theory.map(|(_, text)| *text).chain([facts]).collect();
-        let run = self.solve(program, &[&most.to_string()])?;
-        stories(&run, observations, |_| true)
+    ) -> Result<Vec<S>, Failure> {
+        let run = self.solve(theory.program(facts, false), &[&most.to_string()])?;
+        stories(theory, &run, observations, |_| true)
     }
 
     /// The preferred candidates, in lexicographic order.
-    pub(super) fn minimal(&self, facts: &str, observations: usize) -> Result<Vec<Story>, Failure> {
-        let theory = THEORY.iter().map(|(_, text)| *text);
-        let program = theory.chain([facts]).collect();
-        let run = self.solve(program, &["--opt-mode=optN", "--project=show", "0"])?;
-        stories(&run, observations, |witness| witness.costs == run.models.costs)
+    pub(super) fn minimal<S: Ord>(
+        &self,
+        theory: &Theory<S>,
+        facts: &str,
+        observations: usize,
+    ) -> Result<Vec<S>, Failure> {
+        let options = ["--opt-mode=optN", "--project=show", "0"];
+        let run = self.solve(theory.program(facts, true), &options)?;
+        stories(theory, &run, observations, |witness| witness.costs == run.models.costs)
     }
 
     fn version(&self) -> Result<(), String> {
@@ -133,10 +135,15 @@ impl Clingo {
     }
 }
 
-fn stories(run: &Run, observations: usize, wanted: impl Fn(&Witness) -> bool) -> Result<Vec<Story>, Failure> {
+fn stories<S: Ord>(
+    theory: &Theory<S>,
+    run: &Run,
+    observations: usize,
+    wanted: impl Fn(&Witness) -> bool,
+) -> Result<Vec<S>, Failure> {
     let witnesses = run.call.iter().flat_map(|call| &call.witnesses).filter(|witness| wanted(witness));
-    let told = witnesses.map(|witness| story(witness.value.iter().map(String::as_str), observations));
-    let mut stories: Vec<Story> = told
+    let told = witnesses.map(|witness| (theory.story)(&witness.value, observations));
+    let mut stories: Vec<S> = told
         .collect::<Option<_>>()
         .ok_or_else(|| Failure::Broken("clingo: a model says not of every visit what it is".into()))?;
     stories.sort_unstable();

@@ -1,16 +1,13 @@
-//! The search against the slow reference, and against clingo, candidate by candidate.
+//! What several judges found on their own, observation by observation, and whether it is the same.
 
-use crate::abduction::{
-    Abduction, Assertion, Axiom, AxiomSet, Boundary, Candidate, Limits, Visit, VisitError, WordError,
-};
-use crate::export::profile_name;
-use crate::reference::{self, Story};
+use crate::cli::clingo::Clingo;
+use crate::cli::failure::Failure;
+use crate::export::answer_set::Theory;
 use serde::Serialize;
-use thiserror::Error;
 
-/// What two or three judges found on their own, and whether it is the same.
+/// What two or three judges found on their own, and whether it is the same. Candidates are stories of type `S`.
 #[derive(Debug, Serialize)]
-pub(super) struct Comparison {
+pub(super) struct Comparison<S> {
     /// Version of this format: 1.
     pub(super) version: u32,
     /// The profile that holds exactly these axioms, or `custom`.
@@ -22,24 +19,27 @@ pub(super) struct Comparison {
     /// Whether all judges found the same.
     pub(super) equal: bool,
     /// The first difference, if any.
-    pub(super) difference: Option<Difference>,
+    pub(super) difference: Option<Difference<S>>,
     /// What the search found.
-    pub(super) search: Found,
+    pub(super) search: Found<S>,
     /// What the reference found.
-    pub(super) reference: Found,
+    pub(super) reference: Found<S>,
     /// What clingo found; null if it was not asked.
-    pub(super) clingo: Option<Found>,
+    pub(super) clingo: Option<Found<S>>,
+    /// Axioms held that are stated once only: all judges take the search's own measure, so that no more is compared than
+    /// that each heeds it, map by map.
+    pub(super) stated_once: Vec<&'static str>,
     /// For each axiom held what it does.
     pub(super) axioms: Vec<Effect>,
 }
 
 /// What one judge found.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub(super) struct Found {
+pub(super) struct Found<S> {
     /// The number of candidates.
     pub(super) candidates: usize,
-    /// The preferred ones: for each visit its place and rotation.
-    pub(super) minimal: Vec<Story>,
+    /// The preferred ones: for each visit its place and rotation, or for each view its dstate.
+    pub(super) minimal: Vec<S>,
     /// How big these are.
     pub(super) size: Option<Size>,
 }
@@ -57,7 +57,7 @@ pub(super) struct Size {
 
 /// A candidate that one judge has and another has not.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub(super) struct Difference {
+pub(super) struct Difference<S> {
     /// The observation up to which the candidate explains the trace.
     pub(super) observation: usize,
     /// Who has it.
@@ -66,8 +66,8 @@ pub(super) struct Difference {
     pub(super) not: &'static str,
     /// Whether they differ about all candidates or about the preferred ones.
     pub(super) among: &'static str,
-    /// For each visit its place and rotation.
-    pub(super) visits: Story,
+    /// The candidate.
+    pub(super) visits: S,
 }
 
 /// What an axiom does to the candidates.
@@ -83,152 +83,74 @@ pub(super) struct Effect {
     pub(super) refutes: Option<usize>,
 }
 
-/// What is compared: visits, the axioms they are explained by, and what an operator said in the end.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Question<'a> {
-    pub(super) visits: &'a [Visit],
-    pub(super) axioms: AxiomSet,
-    pub(super) word: &'a [Assertion],
-    /// The most candidates compared after an observation.
-    pub(super) most: usize,
-}
+/// The search and the reference after the same observations of a trace, as long as they agree.
+pub(super) trait Race {
+    /// What a candidate is told as.
+    type Story: Ord + Clone;
 
-/// Why a question cannot be asked.
-#[derive(Debug, Error)]
-pub(super) enum QuestionError {
-    /// A visit cannot come where it does.
-    #[error(transparent)]
-    Visit(#[from] VisitError),
-    /// An assertion cannot be taken.
-    #[error(transparent)]
-    Word(#[from] WordError),
-}
+    /// The profile that holds exactly the axioms held, or `custom`.
+    fn profile(&self) -> &'static str;
 
-/// The search and the reference after the same observations, as long as they agree.
-pub(super) struct Race<'a> {
-    question: Question<'a>,
-    laws: Vec<&'static str>,
-    search: Abduction,
-    stories: Vec<Story>,
+    /// The axioms held that refute.
+    fn axioms(&self) -> Vec<&'static str>;
+
+    /// Those of them that all judges take from the search.
+    fn stated_once(&self) -> Vec<&'static str>;
+
+    /// Observations of the trace.
+    fn observations(&self) -> usize;
+
+    /// Observations so far.
+    fn compared(&self) -> usize;
+
+    /// Takes the next observation, unless there are too many candidates after it.
+    fn step(&mut self) -> Result<Step<Self::Story>, Failure>;
+
+    /// The candidates of the reference, in lexicographic order.
+    fn stories(&self) -> &[Self::Story];
+
+    /// The number of candidates of the search, and its preferred ones.
+    fn searched(&self) -> (usize, Vec<Self::Story>);
+
+    /// Those that the reference prefers.
+    fn preferred(&self) -> Vec<Self::Story>;
+
+    /// How big a candidate is.
+    fn size(&self, story: &Self::Story) -> Size;
+
+    /// The theory for clingo.
+    fn theory(&self) -> Theory<Self::Story>;
+
+    /// What clingo is to know of the first observations, with the clashes found so far.
+    fn facts(&self, observations: usize) -> String;
+
+    /// Whether clashes are to be found, by this race, for clingo to find the same.
+    fn clashes(&self) -> bool;
+
+    /// What an axiom does to the observations so far.
+    fn effect(&self, axiom: &'static str) -> Result<Effect, Failure>;
 }
 
 /// How a race went on.
-pub(super) enum Step {
+pub(super) enum Step<S> {
     /// Both found the same.
     Agreed,
     /// Both would go on, but there are too many candidates to compare.
     TooMany,
     /// They found different candidates.
-    Differ(Difference),
+    Differ(Difference<S>),
 }
 
-impl<'a> Question<'a> {
-    fn search(&self, axioms: AxiomSet) -> Abduction {
-        // One more than can be compared shows that there are too many.
-        let max_candidates = Some(self.most.saturating_add(1));
-        Abduction::new(axioms, Limits { max_candidates, ..Limits::default() })
-    }
-
-    /// The search gone on with by one observation, and by what was said of it and earlier ones.
-    fn observe(&self, search: &mut Abduction, observation: usize) -> Result<(), QuestionError> {
-        search.observe(&self.visits[observation])?;
-        let latest = self.word.iter().filter(|assertion| assertion.visits.iter().max() == Some(&observation));
-        latest.copied().try_for_each(|assertion| search.assert(assertion))?;
-        Ok(())
-    }
-
-    /// Whether the operator allows a story, or the beginning of one.
-    fn allows(&self, story: &Story) -> bool {
-        self.word.iter().all(|assertion| {
-            let [a, b] = assertion.visits.map(|visit| story.get(visit).map(|it| it.0));
-            a.is_none() || b.is_none() || (a == b) == assertion.same
-        })
-    }
-}
-
-impl<'a> Race<'a> {
-    /// A race before the first visit.
-    pub(super) fn new(question: Question<'a>) -> Race<'a> {
-        let laws = question.axioms.iter().map(|axiom| axiom.name).collect();
-        Race { question, laws, search: question.search(question.axioms), stories: Vec::new() }
-    }
-
-    /// The number of candidates agreed on.
-    pub(super) fn len(&self) -> usize {
-        self.stories.len()
-    }
-
-    /// Takes the next observation, unless there are too many candidates after it.
-    pub(super) fn step(&mut self) -> Result<Step, QuestionError> {
-        let observation = self.search.observations();
-        let mut search = self.search.clone();
-        self.question.observe(&mut search, observation)?;
-        if search.len() > self.question.most {
-            return Ok(Step::TooMany);
-        }
-        let visits = &self.question.visits[..=observation];
-        let mut stories = match observation {
-            0 => reference::beginning(visits),
-            _ => reference::extensions(visits, &self.stories, &self.laws),
-        };
-        stories.retain(|story| self.question.allows(story));
-        (self.search, self.stories) = (search, stories);
-        let found = told(&self.search);
-        let (ours, theirs) = (("search", &found[..]), ("reference", &self.stories[..]));
-        Ok(Difference::first(observation, "candidates", ours, theirs).map_or(Step::Agreed, Step::Differ))
-    }
-
-    /// What the search found.
-    pub(super) fn searched(&self) -> Found {
-        let minimal: Vec<Story> = self.search.report().minimal.iter().map(story).collect();
-        Found { candidates: self.search.len(), size: self.size(&minimal), minimal }
-    }
-
-    /// What the reference found.
-    pub(super) fn referred(&self) -> Found {
-        let minimal = reference::minimal(self.seen(), &self.stories, self.ranks());
-        Found { candidates: self.stories.len(), size: self.size(&minimal), minimal }
-    }
-
-    /// What somebody else found.
-    pub(super) fn found(&self, candidates: &[Story], minimal: Vec<Story>) -> Found {
-        Found { candidates: candidates.len(), size: self.size(&minimal), minimal }
-    }
-
-    /// The visits so far.
-    pub(super) fn seen(&self) -> &'a [Visit] {
-        &self.question.visits[..self.search.observations()]
-    }
-
-    /// What the reference has, to compare with.
-    pub(super) fn stories(&self) -> &[Story] {
-        &self.stories
-    }
-
-    fn size(&self, minimal: &[Story]) -> Option<Size> {
-        let story = minimal.first()?;
-        let (paths, places) = reference::size(self.seen(), story);
-        let abnormalities = self.ranks().then(|| reference::abnormalities(self.seen(), story));
-        Some(Size { abnormalities, paths, places })
-    }
-
-    /// Whether boundaries rank.
-    fn ranks(&self) -> bool {
-        self.question.axioms.boundary() == Some(Boundary::Soft)
-    }
-}
-
-impl Difference {
+impl<S: Ord + Clone> Difference<S> {
     /// The first story, in lexicographic order, that one list has and the other has not. Both are in that order.
     pub(super) fn first(
         observation: usize,
         among: &'static str,
-        (this, ours): (&'static str, &[Story]),
-        (that, theirs): (&'static str, &[Story]),
-    ) -> Option<Difference> {
-        let missing = |from: &[Story], other: &[Story]| {
-            from.iter().find(|story| other.binary_search(story).is_err()).cloned()
-        };
+        (this, ours): (&'static str, &[S]),
+        (that, theirs): (&'static str, &[S]),
+    ) -> Option<Difference<S>> {
+        let missing =
+            |from: &[S], other: &[S]| from.iter().find(|story| other.binary_search(story).is_err()).cloned();
         let told = |only, not, visits| Difference { observation, only, not, among, visits };
         match (missing(ours, theirs), missing(theirs, ours)) {
             (None, None) => None,
@@ -240,60 +162,67 @@ impl Difference {
 }
 
 impl Effect {
-    /// What an axiom of the question does to its visits; not tried if there are too many candidates without it.
-    pub(super) fn of(axiom: &Axiom, question: &Question<'_>) -> Result<Effect, QuestionError> {
-        let untried = |why| Effect { axiom: axiom.name, untried: Some(why), without: None, refutes: None };
-        if reference::UNKNOWN.contains(&axiom.name) {
-            return Ok(untried("is of measurements, which are not compared"));
-        }
-        let Ok(without) = question.axioms.without(axiom.id) else {
-            return Ok(untried("is part of what a candidate is"));
-        };
-        let mut search = question.search(without);
-        for observation in 0..question.visits.len() {
-            question.observe(&mut search, observation)?;
-            if search.len() > question.most {
-                return Ok(untried("more candidates without it than --max-candidates"));
-            }
-        }
-        let stories = told(&search);
-        let breaks = |story: &&Story| !reference::obeys(question.visits, story, axiom.name);
-        Ok(Effect {
-            axiom: axiom.name,
-            untried: None,
-            without: Some(stories.len()),
-            refutes: Some(stories.iter().filter(breaks).count()),
-        })
+    /// An axiom that was not tried without, and why.
+    pub(super) fn untried(axiom: &'static str, why: &'static str) -> Effect {
+        Effect { axiom, untried: Some(why), without: None, refutes: None }
     }
 }
 
-impl Comparison {
-    /// What was found up to the last observation compared, where search and reference agree or differ.
-    pub(super) fn new(race: &Race<'_>, difference: Option<Difference>) -> Comparison {
-        let (search, reference) = (race.searched(), race.referred());
-        let last = race.seen().len().saturating_sub(1);
+/// What is said of an axiom without which there are too many candidates.
+pub(super) const TOO_MANY_WITHOUT: &str = "more candidates without it than --max-candidates";
+
+impl<S: Ord + Clone> Comparison<S> {
+    /// What was found up to the last observation of a race, where search and reference agree or differ.
+    pub(super) fn new<R: Race<Story = S>>(race: &R, difference: Option<Difference<S>>) -> Comparison<S> {
+        let (candidates, minimal) = race.searched();
+        let search = found(race, candidates, minimal);
+        let reference = found(race, race.stories().len(), race.preferred());
         let minimal = ("search", &search.minimal[..]);
-        let preferred = || Difference::first(last, "minimal", minimal, ("reference", &reference.minimal));
+        let preferred =
+            || Difference::first(last(race), "minimal", minimal, ("reference", &reference.minimal));
         let difference = difference.or_else(preferred);
         Comparison {
             version: 1,
-            profile: profile_name(race.question.axioms),
-            observations: race.question.visits.len(),
-            compared: race.seen().len(),
+            profile: race.profile(),
+            observations: race.observations(),
+            compared: race.compared(),
             equal: difference.is_none(),
             difference,
             search,
             reference,
             clingo: None,
+            stated_once: race.stated_once(),
             axioms: Vec::new(),
         }
     }
+
+    /// Adds what clingo found, and the first difference to that.
+    pub(super) fn ask<R: Race<Story = S>>(
+        &mut self,
+        clingo: &Clingo,
+        race: &R,
+        most: usize,
+    ) -> Result<(), Failure> {
+        let (theory, observations) = (race.theory(), race.compared());
+        let facts = race.facts(observations);
+        let candidates = clingo.candidates(&theory, &facts, observations, most.saturating_add(1))?;
+        let minimal = clingo.minimal(&theory, &facts, observations)?;
+        let differs = |among, theirs, ours| {
+            Difference::first(last(race), among, ("reference", theirs), ("clingo", ours))
+        };
+        let difference = differs("candidates", race.stories(), &candidates)
+            .or_else(|| differs("minimal", &self.reference.minimal, &minimal));
+        self.difference = self.difference.take().or(difference);
+        self.equal = self.difference.is_none();
+        self.clingo = Some(found(race, candidates.len(), minimal));
+        Ok(())
+    }
 }
 
-fn told(search: &Abduction) -> Vec<Story> {
-    search.candidates().map(|candidate| story(&candidate)).collect()
+fn found<R: Race>(race: &R, candidates: usize, minimal: Vec<R::Story>) -> Found<R::Story> {
+    Found { candidates, size: minimal.first().map(|story| race.size(story)), minimal }
 }
 
-fn story(candidate: &Candidate) -> Story {
-    candidate.visits.iter().map(|visit| (visit.place.index(), visit.rotation.into())).collect()
+fn last<R: Race>(race: &R) -> usize {
+    race.compared().saturating_sub(1)
 }

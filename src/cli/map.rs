@@ -1,7 +1,8 @@
 //! `topostar map`: a trace in, the preferred map and the number of maps still possible out.
 
-use crate::abduction::{Abduction, AxiomSet, Boundary, Profile, Report, StopReason, Strategy};
+use crate::abduction::{Abduction, AxiomSet, Report, StopReason, Strategy};
 use crate::cli::asked::{Asked, Said};
+use crate::cli::axiom_choice::AxiomChoice;
 use crate::cli::classic::{self, is_of_views};
 use crate::cli::failure::Failure;
 use crate::cli::input::{Events, read_events};
@@ -36,15 +37,8 @@ pub(super) struct Map {
     /// The arrivals in a log: CSV with the columns place,raw_scan_index.
     #[arg(long, value_name = "CSV")]
     visits: Option<PathBuf>,
-    /// A choice of axioms; `default` unless the trace is one of views, then `classic`.
-    #[arg(long, value_enum)]
-    profile: Option<AnyProfileName>,
-    /// Hold boundaries too: a path divides what is right of it from what is left.
-    #[arg(long, value_enum)]
-    boundary: Option<BoundaryName>,
-    /// Exactly these axioms in place of a profile, names with commas between.
-    #[arg(long, conflicts_with_all = ["profile", "boundary"])]
-    axioms: Option<AxiomSet>,
+    #[command(flatten)]
+    held: AxiomChoice,
     /// How candidates are searched.
     #[arg(long, value_enum, default_value_t = StrategyName::BreadthFirst)]
     pub(super) strategy: StrategyName,
@@ -78,32 +72,6 @@ pub(super) struct Map {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-pub(super) enum ProfileName {
-    /// The axioms of Beeson et al. 2003.
-    Paper,
-    /// With planarity.
-    Default,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum AnyProfileName {
-    /// The axioms of Beeson et al. 2003.
-    Paper,
-    /// With planarity.
-    Default,
-    /// The original SSH, for traces of views.
-    Classic,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(super) enum BoundaryName {
-    /// Maps with fewer exceptions are preferred to others.
-    Soft,
-    /// Maps with an exception are refuted.
-    Hard,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
 pub(super) enum StrategyName {
     /// All candidates, one observation after the other: exhaustive.
     BreadthFirst,
@@ -119,7 +87,7 @@ impl Map {
         let started = Instant::now();
         let input = read_events(&self.input, self.visits.as_deref())?;
         // Where there is nothing to tell by, the options do.
-        let asked = input.events.is_empty() && matches!(self.profile, Some(AnyProfileName::Classic));
+        let asked = input.events.is_empty() && self.held.is_classic();
         let (axioms, strategy) = match self.theory(asked || is_of_views(&input.events))? {
             Theory::Views => return classic::run(&self, input),
             Theory::Stars(axioms, strategy) => (axioms, strategy),
@@ -144,34 +112,23 @@ impl Map {
     /// What the options ask for, which must go with the trace.
     fn theory(&self, views: bool) -> Result<Theory, Failure> {
         if views {
-            let for_stars = self.axioms.is_some() || self.boundary.is_some();
             let reasons = self.explain.is_some() || !self.asserts.is_empty();
             let steps = self.max_steps.is_some() || self.max_seconds.is_some() || self.max_memory.is_some();
-            return match self.profile {
-                _ if for_stars => {
-                    Err(self.misfit("is a trace of views, which holds the axioms of profile classic"))
-                }
-                _ if steps => {
-                    Err(self.misfit("is a trace of views, for which --max-candidates is the only limit"))
-                }
-                _ if reasons => {
-                    Err(self.misfit("is a trace of views, with which --explain and --assert do not go yet"))
-                }
-                Some(AnyProfileName::Classic) => Ok(Theory::Views),
-                None => {
-                    eprintln!("{}: a trace of views, explained in profile classic", self.input.display());
-                    Ok(Theory::Views)
-                }
-                Some(_) => Err(self.misfit("is a trace of views, which profile classic alone explains")),
-            };
-        }
-        let profile = match self.profile {
-            None | Some(AnyProfileName::Default) => Profile::Default,
-            Some(AnyProfileName::Paper) => Profile::Paper,
-            Some(AnyProfileName::Classic) => {
-                return Err(self.misfit("is no trace of views, and profile classic explains nothing else"));
+            self.held.for_views().map_err(|why| self.misfit(why))?;
+            if steps {
+                return Err(self.misfit("is a trace of views, for which --max-candidates is the only limit"));
             }
-        };
+            if reasons {
+                return Err(
+                    self.misfit("is a trace of views, with which --explain and --assert do not go yet")
+                );
+            }
+            if !self.held.is_classic() {
+                eprintln!("{}: a trace of views, explained in profile classic", self.input.display());
+            }
+            return Ok(Theory::Views);
+        }
+        let axioms = self.held.for_stars().map_err(|why| self.misfit(why))?;
         let strategy = match self.strategy {
             StrategyName::BreadthFirst => Strategy::BreadthFirst,
             StrategyName::BestFirst => Strategy::BestFirst,
@@ -179,8 +136,6 @@ impl Map {
                 return Err(self.misfit("is no trace of views, which alone --strategy simplest-first is for"));
             }
         };
-        let boundary = self.boundary.map(Boundary::from);
-        let axioms = self.axioms.unwrap_or_else(|| AxiomSet::of(profile).with_boundary(boundary));
         Ok(Theory::Stars(axioms, strategy))
     }
 
@@ -256,28 +211,10 @@ struct Explained {
     fault: Option<Failure>,
 }
 
-impl From<ProfileName> for Profile {
-    fn from(name: ProfileName) -> Profile {
-        match name {
-            ProfileName::Paper => Profile::Paper,
-            ProfileName::Default => Profile::Default,
-        }
-    }
-}
-
 /// What is to explain a trace.
 enum Theory {
     Stars(AxiomSet, Strategy),
     Views,
-}
-
-impl From<BoundaryName> for Boundary {
-    fn from(name: BoundaryName) -> Boundary {
-        match name {
-            BoundaryName::Soft => Boundary::Soft,
-            BoundaryName::Hard => Boundary::Hard,
-        }
-    }
 }
 
 /// A bar on standard error, which draws itself on a terminal only.

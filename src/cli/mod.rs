@@ -3,6 +3,7 @@
 //! Data goes to standard output, progress and diagnostics to standard error; progress bars only to a terminal.
 
 mod asked;
+mod axiom_choice;
 mod check;
 mod classic;
 mod clingo;
@@ -13,6 +14,8 @@ mod failure;
 mod input;
 mod map;
 mod serve;
+mod star_race;
+mod view_race;
 mod words;
 mod world;
 

@@ -2,6 +2,7 @@
 
 use crate::abduction::Visit;
 use crate::reference::boundary::boundary;
+use crate::reference::measured::MEASURED;
 use crate::reference::planarity::planarity;
 use crate::reference::told::{End, Story, Told};
 
@@ -11,8 +12,9 @@ pub const PAPER: [&str; 4] = ["determinism", "star-match", "travel-moves", "path
 /// The laws of profile `default` but the measured ones.
 pub const DEFAULT: [&str; 5] = ["determinism", "star-match", "travel-moves", "path-order", "planarity"];
 
-/// Axioms that the reference cannot judge, as it knows no measurements: it takes them to hold.
-pub const UNKNOWN: [&str; 4] = ["distance", "angle", "closure", "apart"];
+/// Axioms that the reference does not state: it takes them to hold. It knows what was measured along a path segment and
+/// around a place, [`Measured`](crate::reference::Measured), not where places lie.
+pub const UNKNOWN: [&str; 2] = ["closure", "apart"];
 
 /// Slots of a story mean something only where stars match, and far ends only where there is one.
 const FIRST: [&str; 2] = ["star-match", "determinism"];
@@ -28,14 +30,15 @@ const LAWS: [(&str, Law); 6] = [
     ("boundary", boundary),
 ];
 
-/// Whether a story obeys a law. True of laws that the reference does not know, see [`UNKNOWN`].
+/// Whether a story obeys a law. True of laws of measurements, and of those that the reference does not know, see
+/// [`UNKNOWN`].
 pub fn obeys(visits: &[Visit], story: &Story, law: &str) -> bool {
     holds(&Told::new(visits, story), law)
 }
 
 /// Whether the reference can judge a law.
 pub fn knows(law: &str) -> bool {
-    LAWS.iter().any(|(name, _)| *name == law)
+    LAWS.iter().any(|(name, _)| *name == law) || MEASURED.contains(&law)
 }
 
 /// Whether it obeys `star-match`, `determinism` and some other laws.

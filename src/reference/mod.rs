@@ -2,18 +2,22 @@
 //!
 //! Nothing here is clever, incremental or shared with [`crate::abduction`] but the [`Visit`], the input of both. A
 //! [`Story`] takes each observation for a place and a rotation; a law is a question about a whole story. What the
-//! search finds has to be what this finds: tests ask that of random worlds, `topostar check` of a user's trace.
+//! search finds has to be what this finds: tests ask that of random worlds, `topostar check` of a user's trace. Of what
+//! was measured it knows lengths and directions, [`Measured`].
 //!
 //! Costs are exponential in the visits, and polynomial of some degree for each story.
 
 mod boundary;
 mod laws;
+mod measured;
 mod planarity;
 mod simplicity;
 mod told;
+pub mod views;
 
 pub use boundary::{Evidence, abnormalities, beside};
 pub use laws::{DEFAULT, PAPER, UNKNOWN, knows, obeys};
+pub use measured::{Interval, MEASURED, Measured};
 pub use simplicity::{minimal, size};
 pub use told::{End, Story, segments, travels};
 

@@ -10,7 +10,9 @@
 
 pub mod event;
 mod event_error;
+mod experience_error;
 mod object;
+mod sighting;
 pub mod wire_star;
 pub mod wire_grid;
 pub mod wire;
@@ -25,6 +27,8 @@ pub use event::{
     Assert, Event, EventKind, Observation, Percept, Stamp, Travel, Turn, TurnDescription, TurnTarget,
 };
 pub use event_error::EventError;
-pub use experience::{Experience, ExperienceError, Motion, Sighting};
+pub use experience::Experience;
+pub use experience_error::ExperienceError;
 pub use ndjson::{TraceError, parse_event, read_lines, read_trace, write_event, write_trace};
+pub use sighting::{Described, Motion, Sighting};
 pub use views::{ViewExperience, ViewSighting};

@@ -2,7 +2,8 @@
 
 use crate::trace::event::Event;
 use crate::trace::event_error::EventError;
-use crate::trace::experience::{Experience, ExperienceError};
+use crate::trace::experience::Experience;
+use crate::trace::experience_error::ExperienceError;
 use crate::trace::wire::WireEvent;
 use std::io::{self, BufRead, Read, Write};
 use thiserror::Error;

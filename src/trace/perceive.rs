@@ -2,7 +2,8 @@
 
 use crate::lpm::Lpm;
 use crate::star::{PerceptionParameters, describe};
-use crate::trace::experience::{Described, ExperienceError};
+use crate::trace::experience_error::ExperienceError;
+use crate::trace::sighting::Described;
 
 /// Star and arrival slot of an LPM; at the first observation the slot the robot faces.
 pub fn perceive(

@@ -2,7 +2,7 @@
 //! section 3.3: v0, a1, v1, a2, v2, ...).
 
 use crate::trace::event::{Event, EventKind, Percept, TurnDescription, TurnTarget};
-use crate::trace::experience::ExperienceError;
+use crate::trace::experience_error::ExperienceError;
 
 /// What an observation of a trace of views tells the logic.
 #[derive(Clone, Debug, PartialEq, Eq)]

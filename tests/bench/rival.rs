@@ -9,24 +9,24 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, missing_docs, reason = "a benchmark may fail")]
 
+#[path = "../../axioms/solver.rs"]
+mod solver;
 #[path = "../../axioms/traces.rs"]
 mod traces;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Deserialize;
 use serde_json::json;
+use solver::{PYTHON, Solver};
 use std::fs;
 use std::hint::black_box;
-use std::io::{BufRead, BufReader, Write};
-use std::process::{Child, ChildStdin, ChildStdout, Command, ExitCode, Stdio};
+use std::process::ExitCode;
 use std::sync::OnceLock;
 use std::time::Instant;
 use topostar::abduction::{Abduction, Assignment, AxiomSet, Limits, Profile, Visit};
 use topostar::export::answer_set::facts;
 use topostar::map::PlaceId;
 
-/// Names the Python to ask.
-const PYTHON: &str = "TOPOSTAR_CLINGO_PYTHON";
 const ALL_MAPS: [&str; 4] = ["grid3x3-16", "grid4x3-20", "grid4x4-24", "grid4x4-28"];
 const MINIMA: [&str; 5] = ["grid3x3-16", "grid4x3-20", "grid4x4-24", "grid4x4-28", "grid6x6-64"];
 /// Repetitions go on until there are so many or they took so long.
@@ -47,11 +47,10 @@ struct Question {
 
 fn main() -> ExitCode {
     let told = std::env::args().skip(1).find_map(|argument| argument.parse().ok());
-    let Ok(python) = std::env::var(PYTHON) else {
+    let Some(mut clingo) = Clingo::start(told.unwrap_or(60.0)) else {
         println!("clingo is not compared: {PYTHON} is not set; `cargo xtask compare` sets it");
         return ExitCode::SUCCESS;
     };
-    let mut clingo = Clingo::start(&python, told.unwrap_or(60.0));
     let pools = [1, 2].map(|threads| ThreadPoolBuilder::new().num_threads(threads).build().unwrap());
     println!(
         "ours, clingo, ratio: one thread, seconds on the processor; the other three: two threads, by the clock"
@@ -207,11 +206,9 @@ fn least(mut seconds: impl FnMut() -> f64) -> f64 {
     least
 }
 
-/// One process that answers many requests.
+/// clingo, and when to stop it.
 struct Clingo {
-    process: Child,
-    requests: ChildStdin,
-    answers: BufReader<ChildStdout>,
+    solver: Solver,
     seconds: f64,
 }
 
@@ -226,17 +223,10 @@ struct Told {
 }
 
 impl Clingo {
-    fn start(python: &str, seconds: f64) -> Clingo {
+    fn start(seconds: f64) -> Option<Clingo> {
         let root = env!("CARGO_MANIFEST_DIR");
-        let mut process = Command::new(python)
-            .args([format!("{root}/tests/bench/rival.py"), format!("{root}/axioms")])
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap_or_else(|error| panic!("{PYTHON}={python}: {error}"));
-        let requests = process.stdin.take().unwrap();
-        let answers = BufReader::new(process.stdout.take().unwrap());
-        Clingo { process, requests, answers, seconds }
+        let solver = Solver::start([format!("{root}/tests/bench/rival.py"), format!("{root}/axioms")])?;
+        Some(Clingo { solver, seconds })
     }
 
     fn ask(&mut self, question: &Question, threads: usize, tell: bool) -> Told {
@@ -249,18 +239,7 @@ impl Clingo {
             // To tell a model takes longer than to find it, and all are to be told.
             "seconds": if tell && !question.preferred { TELLING * self.seconds } else { self.seconds },
         });
-        writeln!(self.requests, "{request}").unwrap();
-        let mut line = String::new();
-        self.answers.read_line(&mut line).unwrap();
-        serde_json::from_str(&line).unwrap_or_else(|error| panic!("{error}: {line}"))
-    }
-}
-
-impl Drop for Clingo {
-    fn drop(&mut self) {
-        // It may have ended by itself.
-        let _ = self.process.kill();
-        let _ = self.process.wait();
+        serde_json::from_value(self.solver.ask(&request)).unwrap()
     }
 }
 

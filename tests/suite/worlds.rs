@@ -9,9 +9,8 @@ use topostar::abduction::{
 use topostar::metric::Measurements;
 use topostar::star::{LargeScaleStar, PerceptionParameters, SlotIndex};
 use topostar::trace::event::Event;
-use topostar::trace::experience::{Experience, Sighting};
 use topostar::trace::perceive::perceive;
-use topostar::trace::{read_trace, write_trace};
+use topostar::trace::{Experience, Sighting, read_trace, write_trace};
 use topostar::worlds::{self, Expectation, LpmTrace, Truth, World, lpm_trace, star_trace};
 
 fn all() -> impl Iterator<Item = World> {

@@ -1,54 +1,56 @@
 //! The slow reference of profile `classic`: all assignments of observations to dstates, each checked from the
 //! definitions alone.
 //!
-//! Nothing here is clever, incremental or shared with the engine. A story takes each observation for a dstate,
-//! numbered by first visit; a law is a question about a whole story.
+//! Nothing here is clever, incremental or shared with [`crate::classic`] but the [`Sight`], the input of both. A
+//! [`Story`] takes each observation for a dstate, numbered by first visit; a law is a question about a whole story.
+//!
+//! Costs are exponential in the observations, and polynomial of some degree for each story.
 
+use crate::classic::{Action, Sight};
 use std::collections::BTreeSet;
-use topostar::classic::{Action, Sight};
 
 /// For each observation its dstate.
-pub(crate) type Story = Vec<usize>;
+pub type Story = Vec<usize>;
 
-pub(crate) const LAWS: [&str; 6] =
-    ["view", "determinism", "direction", "turn-path", "one-dstate", "path-order"];
+/// The laws by name.
+pub const LAWS: [&str; 6] = ["view", "determinism", "direction", "turn-path", "one-dstate", "path-order"];
 
 /// All stories under which the laws hold, in lexicographic order. With `prune`, stories whose beginning breaks a
 /// law are not followed; the laws are monotone, so that the answer is the same.
-pub(crate) fn explanations(seen: &[Sight], laws: &[&str], prune: bool) -> Vec<Story> {
-    let mut found = Vec::new();
-    if !seen.is_empty() {
-        follow(seen, laws, prune, &mut vec![0], &mut found);
+pub fn explanations(seen: &[Sight], laws: &[&str], prune: bool) -> Vec<Story> {
+    let mut stories = beginning(seen);
+    for last in 1..seen.len() {
+        let seen = &seen[..=last];
+        stories = match prune {
+            true => extensions(seen, &stories, laws),
+            false => stories.iter().flat_map(children).collect(),
+        };
     }
-    found
+    stories.retain(|story| laws.iter().all(|law| obeys(seen, story, law)));
+    stories
 }
 
-fn follow(seen: &[Sight], laws: &[&str], prune: bool, story: &mut Story, found: &mut Vec<Story>) {
-    let whole = story.len() == seen.len();
-    if (whole || prune) && !laws.iter().all(|law| obeys(&seen[..story.len()], story, law)) {
-        return;
-    }
-    if whole {
-        return found.push(story.clone());
-    }
-    for dstate in 0..=dstate_count(story) {
-        story.push(dstate);
-        follow(seen, laws, prune, story, found);
-        story.pop();
-    }
+/// The stories of the first observation alone, which no law speaks against: it is of dstate 0. None if there is none.
+pub fn beginning(seen: &[Sight]) -> Vec<Story> {
+    seen.first().map(|_| vec![0]).into_iter().collect()
 }
 
-/// The stories that explain one observation more, in order.
-pub(crate) fn children(seen: &[Sight], story: &Story) -> Vec<Story> {
-    let longer = (0..=dstate_count(story)).map(|dstate| [&story[..], &[dstate]].concat());
-    longer.filter(|story| LAWS.iter().all(|law| obeys(&seen[..story.len()], story, law))).collect()
+/// The stories of all observations that begin with one of some stories of all but the last, and obey the laws. In
+/// lexicographic order, if the stories are.
+pub fn extensions(seen: &[Sight], stories: &[Story], laws: &[&str]) -> Vec<Story> {
+    let children = stories.iter().flat_map(children);
+    children.filter(|story| laws.iter().all(|law| obeys(seen, story, law))).collect()
 }
 
-/// Whether a story obeys a law.
-pub(crate) fn obeys(seen: &[Sight], story: &Story, law: &str) -> bool {
+/// The story gone on with in every way: the next observation is of each known dstate, or of a new one.
+fn children(story: &Story) -> impl Iterator<Item = Story> {
+    (0..=dstate_count(story)).map(|dstate| [story.as_slice(), &[dstate]].concat())
+}
+
+/// Whether a story obeys a law; true of laws that are not in [`LAWS`].
+pub fn obeys(seen: &[Sight], story: &Story, law: &str) -> bool {
     let schemas = schemas(seen, story);
-    let facts = Facts::of(&schemas, dstate_count(story));
-    let dstates = 0..dstate_count(story);
+    let facts = || Facts::of(&schemas, dstate_count(story));
     match law {
         "view" => {
             let equal = |k: usize, l: usize| story[k] != story[l] || seen[k].view == seen[l].view;
@@ -57,21 +59,27 @@ pub(crate) fn obeys(seen: &[Sight], story: &Story, law: &str) -> bool {
         "determinism" => schemas
             .iter()
             .all(|(d, a, e)| schemas.iter().all(|(other, b, far)| (other, b) != (d, a) || far == e)),
-        "direction" => dstates.clone().all(|d| !facts.opposed[d][d]),
-        "turn-path" => schemas
-            .iter()
-            .filter(|(_, action, _)| matches!(action, Action::Left | Action::Right))
-            .all(|&(d, _, e)| !facts.same[d][e] && !facts.opposed[d][e]),
-        "one-dstate" => dstates
-            .clone()
-            .all(|d| dstates.clone().all(|e| d == e || !(facts.together[d][e] && facts.same[d][e]))),
-        "path-order" => strictly_ordered(&schemas, &facts),
-        law => panic!("the reference does not know the law {law}"),
+        "direction" => {
+            let opposed = facts().opposed;
+            (0..opposed.len()).all(|d| !opposed[d][d])
+        }
+        "turn-path" => {
+            let Facts { same, opposed, .. } = facts();
+            let mut turns =
+                schemas.iter().filter(|(_, action, _)| matches!(action, Action::Left | Action::Right));
+            turns.all(|&(d, _, e)| !same[d][e] && !opposed[d][e])
+        }
+        "one-dstate" => {
+            let Facts { same, together, .. } = facts();
+            (0..same.len()).all(|d| (0..d).all(|e| !(together[d][e] && same[d][e])))
+        }
+        "path-order" => strictly_ordered(&schemas, &facts()),
+        _ => true,
     }
 }
 
 /// The number of paths, travelled or not, and of places.
-pub(crate) fn size(seen: &[Sight], story: &Story) -> (usize, usize) {
+pub fn size(seen: &[Sight], story: &Story) -> (usize, usize) {
     let facts = Facts::of(&schemas(seen, story), dstate_count(story));
     let heads = |joined: &dyn Fn(usize, usize) -> bool| {
         (0..dstate_count(story)).filter(|&d| (0..d).all(|e| !joined(d, e))).count()
@@ -80,13 +88,13 @@ pub(crate) fn size(seen: &[Sight], story: &Story) -> (usize, usize) {
 }
 
 /// The simplest of some stories, all that are equally simple.
-pub(crate) fn minimal(seen: &[Sight], stories: &[Story]) -> Vec<Story> {
+pub fn minimal(seen: &[Sight], stories: &[Story]) -> Vec<Story> {
     let least = stories.iter().map(|story| size(seen, story)).min();
     stories.iter().filter(|story| Some(size(seen, story)) == least).cloned().collect()
 }
 
 /// The number of the place of each observation, by first visit.
-pub(crate) fn places(seen: &[Sight], story: &Story) -> Vec<usize> {
+pub fn places(seen: &[Sight], story: &Story) -> Vec<usize> {
     let facts = Facts::of(&schemas(seen, story), dstate_count(story));
     let mut first: Vec<usize> = Vec::new();
     let number = |&dstate: &usize| match first.iter().position(|&known| facts.together[known][dstate]) {
@@ -100,6 +108,7 @@ pub(crate) fn places(seen: &[Sight], story: &Story) -> Vec<usize> {
 }
 
 /// What follows from causal schemas for pairs of dstates.
+#[derive(Clone, PartialEq)]
 struct Facts {
     /// They face along one path in one direction.
     same: Vec<Vec<bool>>,
@@ -125,22 +134,26 @@ impl Facts {
                 (facts.together[d][e], facts.together[e][d]) = (true, true);
             }
         }
-        // Until nothing more follows, as each round of all triples may.
-        for _ in 0..=2 * count {
-            for (d, e, f) in triples(count) {
-                facts.together[d][f] |= facts.together[d][e] && facts.together[e][f];
-                facts.same[d][f] |= facts.same[d][e] && facts.same[e][f];
-                facts.same[d][f] |= facts.opposed[d][e] && facts.opposed[e][f];
-                facts.opposed[d][f] |= facts.same[d][e] && facts.opposed[e][f];
-                facts.opposed[d][f] |= facts.opposed[d][e] && facts.same[e][f];
-            }
-        }
+        while facts.follow(count) {}
         facts
+    }
+
+    /// What follows from any two; whether anything new does.
+    fn follow(&mut self, count: usize) -> bool {
+        let before = self.clone();
+        for (d, e, f) in triples(count) {
+            self.together[d][f] |= self.together[d][e] && self.together[e][f];
+            self.same[d][f] |= self.same[d][e] && self.same[e][f];
+            self.same[d][f] |= self.opposed[d][e] && self.opposed[e][f];
+            self.opposed[d][f] |= self.same[d][e] && self.opposed[e][f];
+            self.opposed[d][f] |= self.opposed[d][e] && self.same[e][f];
+        }
+        *self != before
     }
 
     /// The least dstate that a relation joins to one.
     fn head(relation: &[Vec<bool>], dstate: usize) -> usize {
-        relation[dstate].iter().position(|&joined| joined).unwrap()
+        relation[dstate].iter().position(|&joined| joined).unwrap_or(dstate)
     }
 }
 

@@ -5,20 +5,51 @@ use crate::reference::Story;
 use crate::star::{ControlLaw, LargeScaleStar};
 use std::fmt::Write;
 
-/// The theory, file by file. All maps are the models of [`facts`] and all files but the last; with the last the
-/// optimal models are the preferred maps.
-pub const THEORY: [(&str, &str); 7] = [
-    ("star.lp", include_str!("../../axioms/star.lp")),
-    ("causal.lp", include_str!("../../axioms/causal.lp")),
-    ("topological.lp", include_str!("../../axioms/topological.lp")),
-    ("planarity.lp", include_str!("../../axioms/planarity.lp")),
-    ("boundary.lp", include_str!("../../axioms/boundary.lp")),
-    ("metrical.lp", include_str!("../../axioms/metrical.lp")),
-    PREFERENCE,
-];
+mod bounds;
+mod views;
 
-/// What makes a map preferred.
-pub const PREFERENCE: (&str, &str) = ("preference.lp", include_str!("../../axioms/preference.lp"));
+pub use bounds::{Bounds, Rounding};
+pub use views::{VIEWS, view_facts};
+
+/// A theory, file by file, and how its models are read.
+///
+/// All maps are the models of facts and laws; with the preference, the optimal models are the preferred maps.
+pub struct Theory<S> {
+    /// Names and texts of the files but the last.
+    pub laws: &'static [(&'static str, &'static str)],
+    /// What makes a map preferred.
+    pub preference: (&'static str, &'static str),
+    /// The story that the atoms of a model tell of so many observations; none unless they tell of each.
+    pub story: fn(&[String], usize) -> Option<S>,
+}
+
+/// The theory of stars, with facts by [`facts`].
+pub const STARS: Theory<Story> = Theory {
+    laws: &[
+        ("star.lp", include_str!("../../../axioms/star.lp")),
+        ("causal.lp", include_str!("../../../axioms/causal.lp")),
+        ("topological.lp", include_str!("../../../axioms/topological.lp")),
+        ("planarity.lp", include_str!("../../../axioms/planarity.lp")),
+        ("boundary.lp", include_str!("../../../axioms/boundary.lp")),
+        ("metrical.lp", include_str!("../../../axioms/metrical.lp")),
+    ],
+    preference: ("preference.lp", include_str!("../../../axioms/preference.lp")),
+    story: |model, observations| story(model.iter().map(String::as_str), observations),
+};
+
+impl<S> Theory<S> {
+    /// All files, the preference last.
+    pub fn files(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
+        self.laws.iter().copied().chain([self.preference])
+    }
+
+    /// A program of facts and laws, whose models are all maps, or also of what makes a map preferred.
+    pub fn program(&self, facts: &str, preferred: bool) -> String {
+        let preference = preferred.then_some(self.preference.1);
+        let laws = self.laws.iter().map(|(_, text)| *text);
+        laws.chain(preference).chain([facts]).collect::<Vec<&str>>().join("\n")
+    }
+}
 
 /// Visits that cannot hold together, found by measuring a model: their observations and the axiom they break.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -30,6 +61,11 @@ pub struct Nogood {
 }
 
 impl Nogood {
+    /// The visits of a story up to an observation, which is as much as any measured axiom asks for.
+    pub fn beginning(axiom: &'static str, story: &Story, latest: usize) -> Nogood {
+        Nogood::new(axiom, story, &(0..=latest).collect::<Vec<usize>>())
+    }
+
     /// The visits of some observations of a story. Whatever story has them breaks the axiom.
     pub fn new(axiom: &'static str, story: &Story, observations: &[usize]) -> Nogood {
         let first = |place| story.iter().position(|visit| visit.0 == place);
