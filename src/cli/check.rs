@@ -7,6 +7,7 @@ use crate::cli::clingo::Clingo;
 use crate::cli::comparison::{Comparison, Difference, Found, Race, Step};
 use crate::cli::failure::Failure;
 use crate::cli::input::{Events, read_events};
+use crate::cli::log::LogArgs;
 use crate::cli::map::progress;
 use crate::cli::star_race::{Question, Senses, StarRace};
 use crate::cli::view_race::ViewRace;
@@ -59,7 +60,7 @@ pub(super) struct Check {
 
 impl Check {
     pub(super) fn run(self) -> Result<(), Failure> {
-        let input = read_events(&self.input, None)?;
+        let input = read_events(&self.input, None, &LogArgs::default())?;
         match is_of_views(&input.events) {
             true => self.views(input),
             false => self.stars(input),

@@ -1,0 +1,226 @@
+//! CARMEN logs, line by line: one message a line, `#` before comments, most messages followed by
+//! `ipc_timestamp ipc_hostname logger_timestamp`.
+//!
+//! | message | fields |
+//! |---|---|
+//! | `FLASER`, `RLASER` | `n r1..rn laser_x laser_y laser_theta robot_x robot_y robot_theta` |
+//! | `ROBOTLASER1`.. | `laser_type start_angle field_of_view angular_resolution maximum_range accuracy remission_mode n r1..rn m s1..sm`, the two poses, `tv rv forward_safety_dist side_safety_dist turn_axis`; old ones without `m` and `turn_axis` |
+//! | `RAWLASER1`.. | as before up to `sm` |
+//! | `ODOM` | `x y theta tv rv accel` |
+//! | `TRUEPOS` | `true_x true_y true_theta odom_x odom_y odom_theta` |
+//! | `PARAM` | `name value` |
+//!
+//! Metres, radians, seconds. What fields a line has is decided by the number of its words.
+
+use crate::geometry::Pose;
+use crate::sensor::log::LogError;
+use crate::sensor::log::entry::{Content, CutOff, Entry, LaserNumber, Sweep, SweepPoses};
+use crate::sensor::log::fields::Fields;
+use crate::sensor::log::lines::Lines;
+use crate::sensor::log::no_return::FRACTION;
+use crate::sensor::log::reader::{LogOptions, ScanReader};
+use std::borrow::Cow;
+use std::io::BufRead;
+
+/// The scans of a CARMEN log.
+pub fn carmen_scans<R: BufRead>(input: R, options: LogOptions) -> ScanReader<CarmenEntries<R>> {
+    ScanReader::new(CarmenEntries::new(input), options)
+}
+
+/// The messages of a CARMEN log in file order. Ends after the first malformed line.
+#[derive(Debug)]
+pub struct CarmenEntries<R> {
+    lines: Lines<R>,
+    ended: bool,
+}
+
+impl<R: BufRead> CarmenEntries<R> {
+    /// Over the text of a log.
+    pub fn new(input: R) -> Self {
+        CarmenEntries { lines: Lines::new(input), ended: false }
+    }
+
+    /// The true poses alone, each with its stamp: seconds, and the pose of the robot in the simulated world.
+    pub fn truths(self) -> impl Iterator<Item = Result<(Option<f64>, Pose), LogError>> {
+        self.filter_map(|entry| match entry {
+            Ok(Entry { content: Content::Truth { stamp, world_from_robot, .. }, .. }) => {
+                Some(Ok((stamp, world_from_robot)))
+            }
+            Ok(_) => None,
+            Err(error) => Some(Err(error)),
+        })
+    }
+
+    fn read(&mut self) -> Result<Option<Entry>, LogError> {
+        let more = self.lines.advance()?;
+        if !more {
+            self.ended = true;
+            let cut_off = Entry { kind: "".into(), content: Content::CutOff(CutOff::Stream) };
+            return Ok(self.lines.broken_off.then_some(cut_off));
+        }
+        let (line, cut_off) = (self.lines.number, self.lines.cut_off());
+        let cut = || Ok(Some(Entry { kind: "".into(), content: Content::CutOff(CutOff::Line(line)) }));
+        match parse(&self.lines.text()) {
+            Ok((entry, complete)) if complete || !cut_off => Ok(Some(entry)),
+            Ok(_) => cut(),
+            Err(_) if cut_off => cut(),
+            Err(message) => Err(LogError::Line { line, message }),
+        }
+    }
+}
+
+impl<R: BufRead> Iterator for CarmenEntries<R> {
+    type Item = Result<Entry, LogError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.ended {
+            return None;
+        }
+        let entry = self.read();
+        self.ended |= entry.is_err();
+        entry.transpose()
+    }
+}
+
+/// The entry of a line, and whether it cannot have been longer.
+fn parse(text: &str) -> Result<(Entry, bool), String> {
+    let mut words = text.split_ascii_whitespace();
+    let kind = words.next().unwrap_or_default();
+    let (name, number) = match kind.strip_suffix(|c: char| c.is_ascii_digit()) {
+        Some(name @ ("ROBOTLASER" | "RAWLASER")) => (name, kind[name.len()..].parse().unwrap_or_default()),
+        _ => (kind, 0),
+    };
+    let mut fields = match name {
+        "FLASER" | "RLASER" | "ROBOTLASER" | "RAWLASER" | "ODOM" | "TRUEPOS" | "PARAM" => {
+            Fields::new(kind, words)
+        }
+        _ => return Ok((Entry { kind: kind_passed_over(kind), content: Content::Other }, true)),
+    };
+    let content = match name {
+        "FLASER" => Content::Sweep(flaser(&mut fields, LaserNumber::FRONT)?),
+        "RLASER" => Content::Sweep(flaser(&mut fields, LaserNumber::REAR)?),
+        "ROBOTLASER" => Content::Sweep(robot_laser(&mut fields, LaserNumber(number))?),
+        "RAWLASER" => Content::Sweep(raw_laser(&mut fields, LaserNumber(number))?),
+        "ODOM" => odometry(&mut fields)?,
+        "TRUEPOS" => Content::Truth {
+            world_from_robot: fields.pose("the true pose")?,
+            odom_from_robot: fields.pose("the odometry's pose")?,
+            stamp: fields.stamp(),
+        },
+        _ => {
+            let (name, value) = (fields.word("a name")?.to_owned(), fields.word("a value")?.to_owned());
+            Content::Parameter { name, value }
+        }
+    };
+    Ok((Entry { kind: kind.to_owned().into(), content }, fields.is_complete()))
+}
+
+/// What a line that is passed over is counted as; names are bounded, as it may be anything.
+fn kind_passed_over(kind: &str) -> Cow<'static, str> {
+    match kind {
+        "" => "blank line".into(),
+        _ if kind.starts_with('#') => "comment".into(),
+        _ => kind.chars().filter(|c| !c.is_control()).take(24).collect::<String>().into(),
+    }
+}
+
+fn flaser(fields: &mut Fields, laser: LaserNumber) -> Result<Sweep, String> {
+    let count = fields.count()?;
+    let ranges = fields.readings(count)?;
+    let poses = poses(fields)?;
+    Ok(Sweep {
+        laser,
+        stamp: fields.stamp(),
+        start_angle: None,
+        angle_increment: None,
+        ranges,
+        no_return_from: None,
+        poses: Some(poses),
+        robot_from_laser: None,
+    })
+}
+
+fn poses(fields: &mut Fields) -> Result<SweepPoses, String> {
+    Ok(SweepPoses {
+        world_from_laser: fields.pose("the laser's pose")?,
+        odom_from_robot: fields.pose("the robot's pose")?,
+    })
+}
+
+fn robot_laser(fields: &mut Fields, laser: LaserNumber) -> Result<Sweep, String> {
+    let head = sweep_head(fields, laser)?;
+    let ahead = fields.numbers_ahead();
+    let remissions = fields.rest().first().and_then(|word| word.parse::<usize>().ok());
+    // Behind the numbers of the message stands its stamp and then the name of a host, which is no number.
+    let stamp = usize::from(fields.rest().len() > ahead);
+    let body = ahead.saturating_sub(stamp);
+    let (before, behind) = match remissions {
+        Some(m) if Some(body) == m.checked_add(12) => (m + 1, 5),
+        Some(m) if Some(body) == m.checked_add(11) => (m + 1, 4),
+        _ if body == 10 => (0, 4),
+        _ if body == 11 => (0, 5),
+        // The host has a number for a name.
+        Some(m) if Some(body) == m.checked_add(15) => (m + 1, 5),
+        _ if body == 13 => (0, 4),
+        _ => return Err(unfit(laser, body, "two poses and four or five numbers more behind its readings")),
+    };
+    fields.skip(before);
+    let poses = poses(fields)?;
+    fields.skip(behind);
+    Ok(Sweep { stamp: fields.stamp(), poses: Some(poses), ..head })
+}
+
+fn raw_laser(fields: &mut Fields, laser: LaserNumber) -> Result<Sweep, String> {
+    let head = sweep_head(fields, laser)?;
+    let ahead = fields.numbers_ahead();
+    let remissions = fields.rest().first().and_then(|word| word.parse::<usize>().ok());
+    let stamp = usize::from(fields.rest().len() > ahead);
+    let body = ahead.saturating_sub(stamp);
+    match remissions {
+        Some(m) if [Some(1), Some(4)].contains(&body.checked_sub(m)) => fields.skip(m + 1),
+        _ if body == 0 => {}
+        _ => {
+            return Err(unfit(laser, body, "a number of remissions and as many of them behind its readings"));
+        }
+    }
+    Ok(Sweep { stamp: fields.stamp(), ..head })
+}
+
+fn unfit(laser: LaserNumber, found: usize, expected: &str) -> String {
+    format!("a message of {laser} has {found} numbers after its readings, expected {expected}")
+}
+
+/// What `ROBOTLASER` and `RAWLASER` have in common, up to the readings.
+fn sweep_head(fields: &mut Fields, laser: LaserNumber) -> Result<Sweep, String> {
+    fields.word("the laser's type")?;
+    let start_angle = fields.number("the start angle")?;
+    let view = fields.number("the field of view")?;
+    let resolution = fields.number("the angular resolution")?;
+    let maximum = fields.number("the maximum range")?;
+    fields.word("the accuracy")?;
+    fields.word("the remission mode")?;
+    let count = fields.count()?;
+    let ranges = fields.readings(count)?;
+    let step = if resolution > 0.0 { resolution } else { view / count.saturating_sub(1).max(1) as f64 };
+    Ok(Sweep {
+        laser,
+        stamp: None,
+        start_angle: Some(start_angle),
+        angle_increment: (step > 0.0).then_some(step),
+        ranges,
+        no_return_from: (maximum > 0.0).then_some(FRACTION * maximum),
+        poses: None,
+        robot_from_laser: None,
+    })
+}
+
+fn odometry(fields: &mut Fields) -> Result<Content, String> {
+    let odom_from_robot = fields.pose("the robot's pose")?;
+    // Translational and rotational velocity, and in all but old logs the acceleration.
+    let (ahead, host) = (fields.numbers_ahead(), fields.rest().len() > fields.numbers_ahead());
+    fields.skip(if host { ahead.saturating_sub(1).min(3) } else { ahead.min(3) });
+    Ok(Content::Odometry { stamp: fields.stamp(), odom_from_robot })
+}
+
+#[cfg(test)]
+mod tests;
