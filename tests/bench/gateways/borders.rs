@@ -3,9 +3,10 @@
 use crate::doors::with_doors;
 use crate::maps;
 use crate::openings::{DOOR, Opening, Tally};
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 use topostar::geometry::{Point, Pose, Vector, bearing};
-use topostar::grid::{Cell, CellIndex, DistanceField, OccupancyGrid};
+use topostar::grid::{Cell, CellIndex, DistanceField, GridInfo, OccupancyGrid};
 use topostar::star::PerceptionParameters;
 
 /// The maps by the files that show them empty, furnished, and segmented.
@@ -20,6 +21,8 @@ const MAPS: [(&str, &str); 6] = [
 /// How far before a border the robot stands, and how much room it must have there, metres.
 const BEFORE: f64 = 1.0;
 const ROOM: f64 = 0.35;
+/// Lines between rooms are drawn up to about so many cells thick.
+const THICKNESS: isize = 4;
 
 pub(super) fn print() {
     println!("\nborders of segmented maps, passage width {}", crate::doors::PASSAGE);
@@ -47,40 +50,46 @@ pub(super) fn print() {
     }
 }
 
-/// Where the segmented map closes what is free in the empty one: strips with a different room on either side.
+/// Where the segmented map closes what is free in the empty one between two rooms.
 fn load(file: &str, furnished: &OccupancyGrid) -> Vec<Opening> {
     let empty = maps::grid(&format!("rooms/{file}.png"), 0.05);
     let rooms = maps::grid(&format!("rooms/{file}_gt_segmentation.png"), 0.05);
+    let info = *rooms.info();
     let free = |grid: &OccupancyGrid, at: CellIndex| grid.cell(at) == Cell::Free;
     let room_of = pieces(&rooms, |at| free(&rooms, at));
     let strip_of = pieces(&rooms, |at| free(&empty, at) && !free(&rooms, at));
-    let room = |point: Point| rooms.info().cell_at(&point).and_then(|at| room_of[rooms.info().offset(at)]);
-    let distance = DistanceField::new(furnished);
-    let mut borders = Vec::new();
-    for strip in 0..strip_of.iter().flatten().max().map_or(0, |last| last + 1) {
-        let cells = (0..strip_of.len()).filter(|&i| strip_of[i] == Some(strip));
-        let points: Vec<Point> = cells.map(|i| rooms.info().center(rooms.info().index(i))).collect();
-        let Some(jambs) = farthest(&points) else { continue };
-        let (middle, along) = (nalgebra::center(&jambs[0], &jambs[1]), (jambs[1] - jambs[0]).normalize());
-        let normal = Vector::new(-along.y, along.x);
-        let sides = [normal, -normal].map(|out| {
-            (2..10).find_map(|k| room(middle + out * (0.05 * f64::from(k)))).map(|room| (room, out))
-        });
-        let [Some((a, _)), Some((b, _))] = sides else { continue };
-        if a == b {
-            continue;
-        }
-        let pose = |out: Vector| {
-            let at = middle + out * BEFORE;
-            let cell = furnished.info().cell_at(&at)?;
-            (distance.clearance(cell) >= ROOM).then(|| Pose::new(at.x, at.y, bearing(&out) + PI))
-        };
-        let poses = [normal, -normal].into_iter().filter_map(pose).collect::<Vec<_>>();
-        if !poses.is_empty() {
-            borders.push(Opening { jambs, poses });
+    let mut strips: BTreeMap<(usize, usize, usize), Vec<Point>> = BTreeMap::new();
+    for (i, strip) in strip_of.iter().enumerate().filter_map(|(i, strip)| Some((i, (*strip)?))) {
+        let around = neighbors_within(&info, info.index(i), THICKNESS);
+        let touched: BTreeSet<usize> = around.filter_map(|at| room_of[info.offset(at)]).collect();
+        let touched: Vec<usize> = touched.into_iter().collect();
+        for (k, &a) in touched.iter().enumerate() {
+            for &b in &touched[k + 1..] {
+                strips.entry((strip, a, b)).or_default().push(info.center(info.index(i)));
+            }
         }
     }
-    borders
+    let distance = DistanceField::new(furnished);
+    strips.values().filter_map(|points| border(points, &distance)).collect()
+}
+
+/// The border that runs along some points, with the poses before it where a robot has room.
+fn border(points: &[Point], distance: &DistanceField) -> Option<Opening> {
+    let jambs = farthest(points)?;
+    let (middle, along) = (nalgebra::center(&jambs[0], &jambs[1]), (jambs[1] - jambs[0]).normalize());
+    let normal = Vector::new(-along.y, along.x);
+    let pose = |out: Vector| {
+        let at = middle + out * BEFORE;
+        let cell = distance.info().cell_at(&at)?;
+        (distance.clearance(cell) >= ROOM).then(|| Pose::new(at.x, at.y, bearing(&out) + PI))
+    };
+    let poses: Vec<Pose> = [normal, -normal].into_iter().filter_map(pose).collect();
+    (!poses.is_empty()).then_some(Opening { jambs, poses })
+}
+
+fn neighbors_within(info: &GridInfo, at: CellIndex, reach: isize) -> impl Iterator<Item = CellIndex> + use<> {
+    let info = *info;
+    (-reach..=reach).flat_map(move |dy| (-reach..=reach).filter_map(move |dx| info.shifted(at, dx, dy)))
 }
 
 /// The two points that are farthest apart, if they are half a metre or more.

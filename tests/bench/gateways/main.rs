@@ -6,6 +6,8 @@
 //! * `borders`: the borders between rooms of the segmented maps, plain and furnished, from either side;
 //! * `stability`: whether the star of a place survives another laying of the grid, noise, and another arrival;
 //! * `defaults`: every default 20 % down and up, and what that changes.
+//!
+//! With `GATEWAY_PICTURES=DIR` every window with a door or a border is drawn there.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "an evaluation ends where something is wrong")]
 

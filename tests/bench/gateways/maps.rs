@@ -4,9 +4,11 @@ use flate2::read::GzDecoder;
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use topostar::export::extraction_svg;
 use topostar::geometry::{Point, Pose};
 use topostar::grid::{Cell, GridInfo, OccupancyGrid};
 use topostar::lpm::Lpm;
+use topostar::star::PlaceDescription;
 
 /// Side of the windows, metres, and of their cells.
 const SIDE: f64 = 20.0;
@@ -57,6 +59,14 @@ pub(super) fn window(
         at.map_or(Cell::Unknown, |at| map.cell(at))
     };
     OccupancyGrid::new(info, (0..side * side).map(cell).collect()).unwrap()
+}
+
+/// Draws what was read off a window into the folder that `GATEWAY_PICTURES` names, if it is set.
+pub(super) fn draw(place: &PlaceDescription, robot: &Pose) {
+    let Some(folder) = std::env::var_os("GATEWAY_PICTURES") else { return };
+    let file = format!("{:.2},{:.2},{:.2}.svg", robot.x, robot.y, robot.theta);
+    fs::create_dir_all(&folder).unwrap();
+    fs::write(Path::new(&folder).join(file), extraction_svg(place, robot)).unwrap();
 }
 
 /// The window around a robot, along the axes of the map.

@@ -92,6 +92,7 @@ impl Tally {
             self.missed.push(format!("no star at {:.2},{:.2},{:.2}", pose.x, pose.y, pose.theta));
             return;
         };
+        maps::draw(&place, pose);
         match place
             .gateways
             .iter()
