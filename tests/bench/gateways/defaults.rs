@@ -15,7 +15,8 @@ type Parameter = (&'static str, fn(&mut PerceptionParameters) -> &mut f64);
 const PARAMETERS: &[Parameter] = &[
     ("cleaning.gap", |p| &mut p.cleaning.gap),
     ("cleaning.stray", |p| &mut p.cleaning.stray),
-    ("cleaning.speck", |p| &mut p.cleaning.speck),
+    ("cleaning.shadow", |p| &mut p.cleaning.shadow),
+    ("cleaning.post", |p| &mut p.cleaning.post),
     ("skeleton.comfort_distance", |p| &mut p.skeleton.comfort_distance),
     ("skeleton.passage_width", |p| &mut p.skeleton.passage_width),
     ("skeleton.scope", |p| &mut p.skeleton.scope),

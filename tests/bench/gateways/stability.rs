@@ -144,7 +144,7 @@ fn changed(map: &OccupancyGrid, place: &Place, change: Change, random: &mut Rand
         _ => Vector::zeros(),
     };
     let noise = match change {
-        Change::Noisy | Change::All => map.info().resolution,
+        Change::Noisy | Change::All => 2.0 * map.info().resolution,
         _ => 0.0,
     };
     let mut robot = place.middle;
@@ -156,10 +156,8 @@ fn changed(map: &OccupancyGrid, place: &Place, change: Change, random: &mut Rand
             })
             .unwrap_or(robot);
     }
-    let jitter = |point: Point| match noise {
-        0.0 => point,
-        _ => point + Vector::new(random.normal(), random.normal()) * noise,
-    };
+    let waves = Waves::new(noise, random);
+    let jitter = |point: Point| waves.moved(point);
     let snap = |v: f64| (v / 0.05).round() * 0.05;
     let middle = Point::new(snap(robot.x), snap(robot.y)) + shift;
     Lpm::new(maps::window(map, &middle, turned, jitter), Pose::new(robot.x, robot.y, 0.0))
@@ -177,10 +175,34 @@ impl Random {
     fn within(&mut self, bound: f64) -> f64 {
         (self.0.next_u32() as f64 / f64::from(u32::MAX) * 2.0 - 1.0) * bound
     }
+}
 
-    /// Normal with variance 1, cut at 2.
-    fn normal(&mut self) -> f64 {
-        let sum: f64 = (0..12).map(|_| self.within(0.5)).sum();
-        sum.clamp(-2.0, 2.0)
+/// Walls that are not where they should be: every point is moved by up to so many cells, smoothly over the distance
+/// between the beams of a scanner, so that walls stay whole. Between nodes of a lattice the shift is interpolated.
+struct Waves {
+    nodes: Vec<Vector>,
+}
+
+impl Waves {
+    /// Nodes a side, and the distance between them, metres.
+    const SIDE: usize = 64;
+    const LENGTH: f64 = 0.25;
+
+    fn new(bound: f64, random: &mut Random) -> Self {
+        let mut node = |_| Vector::new(random.within(bound), random.within(bound));
+        Waves { nodes: (0..Self::SIDE * Self::SIDE).map(&mut node).collect() }
+    }
+
+    fn moved(&self, point: Point) -> Point {
+        let at = point.coords / Self::LENGTH;
+        let (x, y) = (at.x.floor(), at.y.floor());
+        let (u, v) = (at.x - x, at.y - y);
+        let node = |dx: f64, dy: f64| {
+            let wrapped = |k: f64| k.rem_euclid(Self::SIDE as f64) as usize;
+            self.nodes[wrapped(y + dy) * Self::SIDE + wrapped(x + dx)]
+        };
+        let low = node(0.0, 0.0) * (1.0 - u) + node(1.0, 0.0) * u;
+        let high = node(0.0, 1.0) * (1.0 - u) + node(1.0, 1.0) * u;
+        point + low * (1.0 - v) + high * v
     }
 }
