@@ -25,9 +25,9 @@ impl Default for CleaningParameters {
     }
 }
 
-/// The grid without specks. First gaps between rays become free, then stray occupied patches (cells touching by
-/// side or corner) become unknown, and last shadows and posts, which are patches that are not free, become free
-/// (cells touching by side or corner, as thin slanting walls do). Linear in the number of cells.
+/// The grid without specks. First gaps between rays become free, then stray occupied patches become unknown, and last
+/// patches that are not free become free: shadows (cells touching by their sides) and posts (by sides or corners, as
+/// the cells of thin slanting walls do). Linear in the number of cells.
 pub fn clean(grid: &OccupancyGrid, parameters: &CleaningParameters) -> OccupancyGrid {
     let info = *grid.info();
     let cell_area = info.resolution * info.resolution;
@@ -39,16 +39,18 @@ pub fn clean(grid: &OccupancyGrid, parameters: &CleaningParameters) -> Occupancy
     let cells_in = |area: f64| area / cell_area - 1e-6;
     let (stray, shadow) = (cells_in(parameters.stray), cells_in(parameters.shadow));
     let post = parameters.post / info.resolution + 1e-6;
-    let occupied = Patches::new(&info, &cells, |cell| cell == Cell::Occupied);
+    let occupied = Patches::new(&info, &cells, true, |cell| cell == Cell::Occupied);
     occupied.of(|patch| (patch.cells as f64) < stray).for_each(|i| cells[i] = Cell::Unknown);
-    let closed = Patches::new(&info, &cells, |cell| cell != Cell::Free);
-    let small = |patch: &Patch| patch.length() <= post || (!patch.occupied && (patch.cells as f64) < shadow);
-    closed.of(small).for_each(|i| cells[i] = Cell::Free);
+    let closed = Patches::new(&info, &cells, false, |cell| cell != Cell::Free);
+    let shadows = closed.of(|patch| !patch.occupied && (patch.cells as f64) < shadow);
+    shadows.for_each(|i| cells[i] = Cell::Free);
+    let closed = Patches::new(&info, &cells, true, |cell| cell != Cell::Free);
+    closed.of(|patch| patch.length() <= post).for_each(|i| cells[i] = Cell::Free);
     grid.with_cells(cells)
 }
 
-/// Frees unknown stretches of at most `most` cells between two free cells, along rows and then along columns. What
-/// touches an obstacle is part of a wall seen in places only.
+/// Frees unknown stretches of at most `most` cells between two free cells, along rows and then along columns. Cells
+/// that touch an obstacle stay: they may be part of a wall seen in places only.
 fn fill_gaps(info: &GridInfo, cells: &mut [Cell], most: usize) {
     let wall = |cells: &[Cell], i: usize| {
         info.neighbors(info.index(i), true).any(|at| cells[info.offset(at)] == Cell::Occupied)
@@ -84,9 +86,10 @@ fn close_gap(
             if let Some(last) = last_free.replace(i)
                 && last + step < i
                 && i <= last + (most + 1) * step
-                && !(last + step..i).step_by(step).any(|j| wall(cells, j))
             {
-                (last + step..i).step_by(step).for_each(|j| cells[j] = Cell::Free);
+                for j in (last + step..i).step_by(step) {
+                    cells[j] = if wall(cells, j) { Cell::Unknown } else { Cell::Free };
+                }
             }
         }
     }
@@ -101,7 +104,7 @@ struct Run {
     occupied: bool,
 }
 
-/// Patches of the chosen cells that touch one another by their sides or corners.
+/// Patches of the chosen cells that touch one another by their sides, or by corners too.
 struct Patches {
     width: usize,
     runs: Vec<Run>,
@@ -151,8 +154,9 @@ impl Patch {
 }
 
 impl Patches {
-    fn new(info: &GridInfo, cells: &[Cell], chosen: impl Fn(Cell) -> bool) -> Self {
+    fn new(info: &GridInfo, cells: &[Cell], corners: bool, chosen: impl Fn(Cell) -> bool) -> Self {
         let mut patches = Patches { width: info.width, runs: Vec::new() };
+        let reach = usize::from(corners);
         let mut above = 0..0;
         for (y, row) in cells.chunks(info.width).enumerate() {
             let first = patches.runs.len();
@@ -162,7 +166,7 @@ impl Patches {
                 if chosen(stretch[0]) {
                     let occupied = stretch.contains(&Cell::Occupied);
                     patches.runs.push(Run { start, end, parent: patches.runs.len(), occupied });
-                    patches.join(above.clone());
+                    patches.join(above.clone(), reach);
                 }
                 start = end;
             }
@@ -172,12 +176,12 @@ impl Patches {
     }
 
     /// Joins the last run with those of the row below that it touches.
-    fn join(&mut self, below: std::ops::Range<usize>) {
+    fn join(&mut self, below: std::ops::Range<usize>, reach: usize) {
         let last = self.runs.len() - 1;
         let (start, end) = (self.runs[last].start, self.runs[last].end);
         for run in below {
             let other = &self.runs[run];
-            if other.start + self.width < end + 1 && start < other.end + self.width + 1 {
+            if other.start + self.width < end + reach && start < other.end + self.width + reach {
                 let (a, b) = (self.root(run), self.root(last));
                 self.runs[a.max(b)].parent = a.min(b);
             }

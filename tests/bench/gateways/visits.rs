@@ -2,6 +2,7 @@
 
 use crate::aces;
 use crate::maps;
+use std::time::Instant;
 use topostar::star::{PerceptionParameters, describe};
 
 pub(super) fn print() {
@@ -23,7 +24,9 @@ pub(super) fn print() {
             Err(why) => println!("  {k:2} {:2}  {why}", visit.place),
         }
     }
+    let start = Instant::now();
     let stars = aces::stars(&visits, &parameters);
+    println!("  {:.1} ms a grid", start.elapsed().as_secs_f64() * 1000.0 / visits.len() as f64);
     println!(
         "  as a person sees them: {}; alike at every visit: {}",
         aces::as_seen(&visits, &stars),
