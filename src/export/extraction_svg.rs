@@ -9,7 +9,7 @@ use svg::node::element::{Circle, Group, Line, Path, Polyline, Rectangle, Text};
 /// Side of the map, user units.
 const MAP: f64 = 640.0;
 /// Width of the listing.
-const LISTING: f64 = 430.0;
+const LISTING: f64 = 460.0;
 const PADDING: f64 = 20.0;
 const LINE_HEIGHT: f64 = 30.0;
 const DOUBTFUL: &str = "#b91c1c";
@@ -208,8 +208,8 @@ fn listing(place: &PlaceDescription) -> Group {
             .add(cell(fragment_name(slot), 16.0).set("font-weight", "bold"))
             .add(cell(gateway_names(slot), 80.0))
             .add(cell(format!("{:?}", slot.control), 252.0).set("font-style", style(slot.control)))
-            .add(cell(margin(slot), LISTING - 62.0).set("text-anchor", "end").set("fill", doubt(slot)))
-            .add(cell(degrees(slot), LISTING - 20.0).set("text-anchor", "end").set("fill", FAINT));
+            .add(cell(margin(slot), LISTING - 74.0).set("text-anchor", "end").set("fill", doubt(slot)))
+            .add(cell(degrees(slot), LISTING - 16.0).set("text-anchor", "end").set("fill", FAINT));
     }
     group
 }

@@ -118,11 +118,20 @@ fn survive(
     let mut row = [(0, 0); CHANGES.len() + 1];
     let mut random = Random::new();
     for place in places {
-        for (column, (change, _)) in CHANGES.into_iter().enumerate() {
-            for _ in 0..LAYINGS {
-                let seen = describe(&changed(map, place, change, &mut random), parameters).ok();
+        for (column, (change, name)) in CHANGES.into_iter().enumerate() {
+            for laying in 0..LAYINGS {
+                let lpm = changed(map, place, change, &mut random);
+                let seen = describe(&lpm, parameters).ok();
                 let star = seen.as_ref().map(|seen| seen.star.large_scale());
                 let same = same_star(&Some(place.star.clone()), &star);
+                if let (false, Some(seen)) = (same, &seen) {
+                    let at = format!("{:.1},{:.1}", place.middle.x, place.middle.y);
+                    let there = Pose::new(place.middle.x, place.middle.y, 0.0);
+                    if let Ok(before) = describe(&maps::lpm(map, &there), parameters) {
+                        maps::draw(&before, &there, &format!("{at}-before"));
+                    }
+                    maps::draw(seen, &lpm.robot_pose, &format!("{at}-{name}-{laying}"));
+                }
                 row[column] = (row[column].0 + usize::from(same), row[column].1 + 1);
                 let middle = seen.is_some_and(|seen| (seen.center - place.middle).norm() <= 0.5);
                 let last = &mut row[CHANGES.len()];
