@@ -9,9 +9,10 @@ use svg::node::element::{Circle, Group, Line, Path, Polyline, Rectangle, Text};
 /// Side of the map, user units.
 const MAP: f64 = 640.0;
 /// Width of the listing.
-const LISTING: f64 = 430.0;
+const LISTING: f64 = 460.0;
 const PADDING: f64 = 20.0;
 const LINE_HEIGHT: f64 = 30.0;
+const DOUBTFUL: &str = "#b91c1c";
 
 /// An SVG document of a described place and the robot's pose in it.
 pub fn extraction_svg(place: &PlaceDescription, robot: &Pose) -> String {
@@ -207,7 +208,8 @@ fn listing(place: &PlaceDescription) -> Group {
             .add(cell(fragment_name(slot), 16.0).set("font-weight", "bold"))
             .add(cell(gateway_names(slot), 80.0))
             .add(cell(format!("{:?}", slot.control), 252.0).set("font-style", style(slot.control)))
-            .add(cell(degrees(slot), LISTING - 20.0).set("text-anchor", "end").set("fill", FAINT));
+            .add(cell(margin(slot), LISTING - 74.0).set("text-anchor", "end").set("fill", doubt(slot)))
+            .add(cell(degrees(slot), LISTING - 16.0).set("text-anchor", "end").set("fill", FAINT));
     }
     group
 }
@@ -228,6 +230,15 @@ fn gateway_names(slot: &Slot) -> String {
     let names =
         [slot.outward.map(|g| format!("gw{} out", g.0)), slot.inward.map(|g| format!("gw{} in", g.0))];
     names.into_iter().flatten().collect::<Vec<_>>().join(" & ")
+}
+
+fn margin(slot: &Slot) -> String {
+    slot.margin.map_or_else(String::new, |margin| format!("{:.0} %", 100.0 * margin))
+}
+
+/// What is within a tenth of being decided otherwise stands out.
+fn doubt(slot: &Slot) -> &'static str {
+    if slot.margin.is_some_and(|margin| margin < 0.1) { DOUBTFUL } else { FAINT }
 }
 
 fn degrees(slot: &Slot) -> String {

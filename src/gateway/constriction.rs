@@ -52,9 +52,10 @@ fn fall(offset: &Vector, along: &Vector) -> f64 {
     if along.dot(offset) <= 0.0 { 0.0 } else { offset.norm() - along.perp(offset).abs() }
 }
 
-/// The direction the way will take beyond its next bend: a coast or parabola swings around a corner first.
+/// The direction the way will take beyond its next bend: a coast or parabola swings around a corner first, at the scale
+/// of the clearance. Behind a door the way may bend soon, and is looked at as shortly as the door is wide.
 fn heading(way: &Way, at: usize, parameters: &GatewayParameters) -> Option<Vector> {
-    let length = parameters.direction_length;
+    let length = parameters.direction_length.min(2.0 * way.clearance[at]);
     let (near, far) = (way.ahead(at, 0.5 * length), way.ahead(at, 1.25 * length));
     let straight = way.arc[far] - way.arc[near] >= 0.25 * length;
     if straight {

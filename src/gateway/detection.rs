@@ -5,7 +5,7 @@ use crate::gateway::place::place_center;
 use crate::gateway::way::{Way, local};
 use crate::gateway::{Beyond, Gateway, GatewayParameters};
 use crate::geometry::{Point, Vector, bearing, wrap_angle};
-use crate::grid::{DistanceField, SkeletonGraph, SkeletonParameters};
+use crate::grid::{CellIndex, DistanceField, NodeKind, SkeletonGraph, SkeletonNode, SkeletonParameters};
 
 /// What is within 60 degrees of straight left or right bounds a gateway on that side: the sine of the rest.
 const ABREAST: f64 = 0.5;
@@ -31,13 +31,16 @@ pub fn find_gateways(
     parameters: &GatewayParameters,
 ) -> Option<Neighborhood> {
     let center = place_center(graph, distance, near, parameters)?;
-    let ways = graph.ways_out(center).into_iter().map(|cells| {
-        let way = Way::new(cells, distance);
+    let room = |node: &&SkeletonNode| node.kind == NodeKind::Room;
+    let rooms: Vec<CellIndex> = graph.graph.node_weights().filter(room).map(|node| node.cell).collect();
+    let measure = Measure { distance, rooms, skeleton, parameters };
+    let ways = graph.ways_out(center).into_iter().map(|cells| Way::new(cells, distance));
+    // A room that is part of the place itself is no way out of it.
+    let ways = ways.filter(|way| measure.room_margin(way) >= 0.0).map(|way| {
         let at = first_constriction(&way, distance, parameters);
         WayOut { way, at }
     });
     let ways: Vec<WayOut> = ways.collect();
-    let measure = Measure { distance, skeleton, parameters };
     let groups = innermost(&ways, distance.info().resolution);
     let gateways: Vec<Gateway> = groups.iter().map(|group| measure.gateway(group)).collect::<Option<_>>()?;
     let node = &graph.graph[center];
@@ -84,6 +87,8 @@ fn innermost(ways: &[WayOut], resolution: f64) -> Vec<Vec<&WayOut>> {
 /// What is measured at a constriction.
 struct Measure<'a> {
     distance: &'a DistanceField,
+    /// The middles of the rooms.
+    rooms: Vec<CellIndex>,
     skeleton: &'a SkeletonParameters,
     parameters: &'a GatewayParameters,
 }
@@ -92,19 +97,27 @@ impl Measure<'_> {
     fn gateway(&self, group: &[&WayOut]) -> Option<Gateway> {
         let info = self.distance.info();
         let WayOut { way, at } = group.first()?;
-        let outward = self.common_direction(group)?;
+        let outward = self.normal(way, *at, &self.common_direction(group)?);
         let [left, right] = self.ends(way, *at, &outward);
-        let narrowest = way.clearance.iter().copied().fold(f64::INFINITY, f64::min);
-        let passage = 2.0 * narrowest - info.resolution;
+        let passage = 2.0 * way.narrowest() - info.resolution;
         let to_frame = |point: &Point| info.origin.transform_point(point);
         Some(Gateway {
             center: to_frame(&way.points[*at]),
             ends: [to_frame(&left), to_frame(&right)],
             bearing: wrap_angle(bearing(&outward) + info.origin.theta),
             width: (left - right).norm() - info.resolution,
-            margin: (passage / self.skeleton.passage_width - 1.0).max(0.0),
+            margin: (passage / self.skeleton.passage_width - 1.0).min(self.room_margin(way)).max(0.0),
             beyond: self.beyond(way, *at),
         })
+    }
+
+    /// By how much a room at the end of a way is wider than it must be; no bound where the way leaves the window.
+    fn room_margin(&self, way: &Way) -> f64 {
+        let ends_in_room = way.cells.last().is_some_and(|&end| self.rooms.contains(&end));
+        match (self.skeleton.room_ratio, way.clearance.last()) {
+            (Some(ratio), Some(widest)) if ends_in_room => widest / (ratio * way.narrowest()) - 1.0,
+            _ => f64::INFINITY,
+        }
     }
 
     /// The mean direction of all ways through a gateway: where they fork behind it, none of them alone tells.
@@ -116,6 +129,23 @@ impl Measure<'_> {
             self.outward(&one.way, at)
         });
         directions.fold(Vector::zeros(), |sum, direction| sum + direction).try_normalize(0.0)
+    }
+
+    /// The normal of the line between the walls left and right, taken over a stretch of the way as long as the gateway
+    /// is wide, so that no single cell decides; without walls on both sides the direction of the way.
+    fn normal(&self, way: &Way, at: usize, along: &Vector) -> Vector {
+        let stretch = |half: f64| (way.arc.partition_point(|&s| s < way.arc[at] - half), way.ahead(at, half));
+        let (from, to) = stretch(way.clearance[at]);
+        let through = way.direction(from, to).unwrap_or(*along);
+        let (from, to) = stretch(way.clearance[at] / 2.0);
+        let resolution = self.distance.info().resolution;
+        let across = (from..=to).filter_map(|i| {
+            let sides = self.distance.sides(way.cells[i], &through, 2.0 * resolution, ABREAST);
+            Some(local(sides.left?, resolution) - local(sides.right?, resolution))
+        });
+        let across = across.fold(Vector::zeros(), |sum, line| sum + line);
+        let normal = Vector::new(across.y, -across.x).try_normalize(0.0);
+        normal.filter(|normal| normal.dot(&through) > ABREAST).unwrap_or(*along)
     }
 
     fn outward(&self, way: &Way, at: usize) -> Option<Vector> {

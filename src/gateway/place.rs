@@ -10,18 +10,27 @@ use petgraph::graph::NodeIndex;
 const BEND_SIGHT: f64 = 6.0;
 
 /// The middle of the place: the junction whose circle of clearance holds the point or is nearest to it, with the
-/// greatest clearance among such; without one in reach, the widest point of a bend, or of the way beside the point.
+/// greatest clearance among such, or the widest point of a bend of the way beside the point, if that is nearer; without
+/// either in reach, the widest point of that way.
 pub(super) fn place_center(
     graph: &mut SkeletonGraph,
     distance: &DistanceField,
     near: &Point,
     parameters: &GatewayParameters,
 ) -> Option<NodeIndex> {
-    if let Some(node) = junction(graph, distance, near, parameters) {
-        return Some(climb(graph, distance, node));
+    let way = nearest_way(graph, distance, near)?;
+    let bend = way.bend(distance, near, parameters);
+    let junction = junction(graph, distance, near, parameters);
+    let away = |cell: CellIndex| gap(distance, cell, near);
+    match junction {
+        Some(node) if bend.is_none_or(|bend| away(graph.graph[node].cell) <= away(bend)) => {
+            Some(climb(graph, distance, node))
+        }
+        _ => {
+            let cell = bend.or_else(|| way.middle(distance, parameters))?;
+            graph.ensure_node(cell, distance)
+        }
     }
-    let cell = on_way(graph, distance, near, parameters)?;
-    graph.ensure_node(cell, distance)
 }
 
 /// Distance from a point to the circle of clearance around a cell; 0 inside.
@@ -35,7 +44,7 @@ fn junction(
     near: &Point,
     parameters: &GatewayParameters,
 ) -> Option<NodeIndex> {
-    let place = |kind: NodeKind| matches!(kind, NodeKind::Junction | NodeKind::DeadEnd);
+    let place = |kind: NodeKind| matches!(kind, NodeKind::Junction | NodeKind::DeadEnd | NodeKind::Room);
     let nodes = graph.graph.node_indices().filter(|&n| place(graph.graph[n].kind));
     let near = nodes.map(|n| (gap(distance, graph.graph[n].cell, near), graph.graph[n].clearance, n));
     let near = near.filter(|&(gap, ..)| gap <= parameters.place_reach);
@@ -51,7 +60,7 @@ fn climb(graph: &SkeletonGraph, distance: &DistanceField, start: NodeIndex) -> N
         let better = graph.graph.node_indices().filter(|&n| {
             let node = &graph.graph[n];
             let inside = (info.center(node.cell) - here).norm() < radius;
-            node.kind == NodeKind::Junction && node.clearance > radius && inside
+            matches!(node.kind, NodeKind::Junction | NodeKind::Room) && node.clearance > radius && inside
         });
         match better.max_by(|&a, &b| graph.graph[a].clearance.total_cmp(&graph.graph[b].clearance)) {
             Some(next) => best = next,
@@ -60,26 +69,44 @@ fn climb(graph: &SkeletonGraph, distance: &DistanceField, start: NodeIndex) -> N
     }
 }
 
-/// The middle of the place on a way without junctions.
-fn on_way(
-    graph: &SkeletonGraph,
-    distance: &DistanceField,
-    near: &Point,
-    parameters: &GatewayParameters,
-) -> Option<CellIndex> {
+/// The way beside a point.
+struct Beside {
+    way: Way,
+    /// Index of the cell nearest to the point.
+    at: usize,
+}
+
+/// The edge of the skeleton that comes nearest to a point.
+fn nearest_way(graph: &SkeletonGraph, distance: &DistanceField, near: &Point) -> Option<Beside> {
     let away = |cell: CellIndex| (distance.info().center(cell) - near).norm();
     let nearest = |cells: &[CellIndex]| cells.iter().map(|&c| away(c)).fold(f64::INFINITY, f64::min);
-    let edges = graph.graph.edge_weights();
-    let edge = edges.min_by(|a, b| nearest(&a.cells).total_cmp(&nearest(&b.cells)))?;
+    let edge = graph.graph.edge_weights().min_by(|a, b| nearest(&a.cells).total_cmp(&nearest(&b.cells)))?;
     let way = Way::new(edge.cells.clone(), distance);
-    let beside = (0..way.cells.len()).min_by(|&a, &b| away(way.cells[a]).total_cmp(&away(way.cells[b])))?;
-    let bend = bend(&way, beside, parameters);
-    let reached = bend.filter(|&at| gap(distance, way.cells[at], near) <= parameters.place_reach);
-    let (middle, reach) = match reached {
-        Some(at) => (at, 1.0),
-        None => (beside, parameters.place_reach),
-    };
-    widest_near(&way, middle, reach, distance.info().resolution).map(|at| way.cells[at])
+    let at = (0..way.cells.len()).min_by(|&a, &b| away(way.cells[a]).total_cmp(&away(way.cells[b])))?;
+    Some(Beside { way, at })
+}
+
+impl Beside {
+    /// The widest cell of a bend in reach of the point.
+    fn bend(
+        &self,
+        distance: &DistanceField,
+        near: &Point,
+        parameters: &GatewayParameters,
+    ) -> Option<CellIndex> {
+        let bend = bend(&self.way, self.at, parameters)?;
+        let reached = gap(distance, self.way.cells[bend], near) <= parameters.place_reach;
+        reached.then(|| self.widest(bend, 1.0, distance)).flatten()
+    }
+
+    /// The widest cell in reach along the way.
+    fn middle(&self, distance: &DistanceField, parameters: &GatewayParameters) -> Option<CellIndex> {
+        self.widest(self.at, parameters.place_reach, distance)
+    }
+
+    fn widest(&self, at: usize, reach: f64, distance: &DistanceField) -> Option<CellIndex> {
+        widest_near(&self.way, at, reach, distance.info().resolution).map(|at| self.way.cells[at])
+    }
 }
 
 /// The point of a way that swings out furthest from the chord of the stretch in sight, if it is a bend.

@@ -2,9 +2,6 @@
 
 use crate::geometry::Vector;
 use crate::grid::{Cell, CellIndex, GridInfo, OccupancyGrid};
-use image::{GrayImage, Luma};
-use imageproc::definitions::Image;
-use imageproc::distance_transform::euclidean_squared_distance_transform;
 
 /// Clearance: distances between cell centres, exact up to rounding.
 ///
@@ -27,15 +24,13 @@ pub struct Sides {
 }
 
 impl DistanceField {
-    /// The distance field of a grid; linear in the number of cells (Felzenszwalb and Huttenlocher).
+    /// The distance field of a grid; linear in the number of cells.
     pub fn new(grid: &OccupancyGrid) -> Self {
         let info = *grid.info();
-        let obstacle = |cell: &Cell| u8::from(*cell != Cell::Free);
-        let bytes: Vec<u8> = grid.cells().iter().map(obstacle).collect();
-        let field = |image: GrayImage| -> Image<Luma<f64>> { euclidean_squared_distance_transform(&image) };
-        let squared = match GrayImage::from_raw(info.width as u32, info.height as u32, bytes) {
-            Some(image) if image.iter().any(|&byte| byte > 0) => field(image).into_raw(),
-            _ => vec![f64::INFINITY; info.width * info.height],
+        let obstacles = grid.cells().iter().any(|&cell| cell != Cell::Free);
+        let squared = match obstacles {
+            true => squared_distances(info.width, grid.cells()),
+            false => vec![f64::INFINITY; grid.cells().len()],
         };
         DistanceField { info, squared }
     }
@@ -88,6 +83,62 @@ impl DistanceField {
             }
         }
         sides
+    }
+}
+
+/// Squared distances in cells to the nearest cell that is not free, of which there must be one: first along columns,
+/// then along rows (Meijster, Roerdink and Hesselink, A general algorithm for computing distance transforms in linear
+/// time, 2000). Whole numbers throughout: sides of up to 8192 cells keep them below 2^30.
+fn squared_distances(width: usize, cells: &[Cell]) -> Vec<f64> {
+    let far = (width + cells.len() / width) as i32;
+    let mut columns: Vec<i32> = cells.iter().map(|&cell| if cell == Cell::Free { far } else { 0 }).collect();
+    let height = cells.len() / width;
+    // All columns at once, row by row: a column at a time would jump through memory.
+    for y in 1..height {
+        let (below, row) = columns.split_at_mut(y * width);
+        relax(&mut row[..width], &below[(y - 1) * width..]);
+    }
+    for y in (1..height).rev() {
+        let (row, above) = columns.split_at_mut(y * width);
+        relax(&mut row[(y - 1) * width..], &above[..width]);
+    }
+    let mut squared = vec![0.0; cells.len()];
+    let mut envelope = Vec::with_capacity(width);
+    for (column, out) in columns.chunks_exact(width).zip(squared.chunks_exact_mut(width)) {
+        along_row(column, &mut envelope, out);
+    }
+    squared
+}
+
+/// No cell of a row is farther from an obstacle of its column than its neighbour in the row beside is, and one cell.
+fn relax(row: &mut [i32], beside: &[i32]) {
+    row.iter_mut().zip(beside).for_each(|(cell, &other)| *cell = (*cell).min(other + 1));
+}
+
+/// Squared distances in a row whose cells have the given distances along their columns: the lower envelope of one
+/// parabola a cell, of which `envelope` holds the cells and where each begins to be lowest.
+fn along_row(column: &[i32], envelope: &mut Vec<(i32, i32)>, out: &mut [f64]) {
+    let at = |x: i32| column[x as usize];
+    let value = |x: i32, i: i32| (x - i) * (x - i) + at(i) * at(i);
+    let count = column.len() as i32;
+    envelope.clear();
+    for u in 0..count {
+        while envelope.last().is_some_and(|&(i, start)| value(start, i) > value(start, u)) {
+            envelope.pop();
+        }
+        match envelope.last() {
+            None => envelope.push((u, 0)),
+            Some(&(i, _)) => {
+                let start = 1 + (u * u - i * i + at(u) * at(u) - at(i) * at(i)).div_euclid(2 * (u - i));
+                if start < count {
+                    envelope.push((u, start));
+                }
+            }
+        }
+    }
+    for (k, &(i, start)) in envelope.iter().enumerate() {
+        let end = envelope.get(k + 1).map_or(count, |next| next.1);
+        (start..end).for_each(|x| out[x as usize] = f64::from(value(x, i)));
     }
 }
 
