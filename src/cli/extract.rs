@@ -124,8 +124,8 @@ impl Extract {
                 EventKind::Travel(travel) => way = Some(travel),
                 EventKind::Observation(seen) => {
                     if let Percept::Lpm(lpm) = seen.percept {
-                        let trail = way.take().map(|way| way.trail(&lpm.robot_pose)).unwrap_or_default();
-                        lpms.push(Lpm { trail, ..lpm });
+                        let way = way.take().map(|way| way.trail(&lpm.robot_pose));
+                        lpms.push(lpm.reached_by(way));
                     }
                 }
                 EventKind::Turn(_) | EventKind::Assert(_) | EventKind::Retract { .. } => {}

@@ -1,9 +1,11 @@
 //! Input files: traces and recorded logs, plain or compressed, or standard input.
 
 use crate::cli::failure::Failure;
+use crate::grid::GridError;
 use crate::sensor::CarmenLog;
-use crate::trace::recording::{Arrival, RecordingParameters, cut};
+use crate::trace::recording::{Arrival, Recorder};
 use crate::trace::{Event, read_lines};
+use crate::visit::{AnnotatedVisits, ArrivalsError, Stage, VisitDetector, VisitParameters};
 use bzip2::read::MultiBzDecoder;
 use flate2::read::MultiGzDecoder;
 use std::fs::File;
@@ -18,20 +20,14 @@ pub(super) struct Events {
     pub(super) fault: Option<Failure>,
 }
 
-/// The events of a trace, or of a CARMEN log with the arrivals in it.
+/// The events of a trace, or of the visits in a CARMEN log: those that are found, or those whose arrivals are given.
 pub(super) fn read_events(input: &Path, visits: Option<&Path>) -> Result<Events, Failure> {
     match (is_log(input), visits) {
-        (true, Some(visits)) => {
+        (true, visits) => {
             let numbered = read_log(input, visits)?.into_iter();
-            let events =
-                numbered.map(|event| (format!("event {} of the arrivals", event.seq), event)).collect();
+            let events = numbered.map(|event| (format!("event {} of the log", event.seq), event)).collect();
             Ok(Events { events, fault: None })
         }
-        (true, None) => Err(Failure::Input(format!(
-            "{}: is a log, and places are not yet found in it by themselves; name the arrivals by --visits FILE.csv \
-             with the columns place,raw_scan_index",
-            input.display()
-        ))),
         (false, Some(_)) => {
             Err(Failure::Input(format!("{}: --visits goes with a log, not with a trace", input.display())))
         }
@@ -55,12 +51,33 @@ pub(super) fn plain_extension(path: &Path) -> String {
     plain.extension().map(|ending| ending.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
-fn read_log(input: &Path, visits: &Path) -> Result<Vec<Event>, Failure> {
+fn read_log(input: &Path, visits: Option<&Path>) -> Result<Vec<Event>, Failure> {
     let log = CarmenLog::read(open(input)?).map_err(|error| Failure::input(input, error))?;
     eprintln!("{}: {} scans, {} other lines passed over", input.display(), log.scans.len(), log.skipped);
+    let stages = match visits {
+        Some(visits) => marked_visits(&log, visits)?,
+        None => found_visits(&log).map_err(|error| Failure::input(input, error))?,
+    };
+    let mut recorder = Recorder::default();
+    Ok(stages.into_iter().flat_map(|stage| recorder.add(stage)).collect())
+}
+
+fn found_visits(log: &CarmenLog) -> Result<Vec<Stage>, GridError> {
+    let mut detector = VisitDetector::new(VisitParameters::default())?;
+    let mut stages: Vec<Stage> = log.scans.iter().flat_map(|scan| detector.add(scan)).collect();
+    stages.extend(detector.finish());
+    Ok(stages)
+}
+
+fn marked_visits(log: &CarmenLog, visits: &Path) -> Result<Vec<Stage>, Failure> {
     let text = io::read_to_string(open(visits)?).map_err(|error| Failure::input(visits, error))?;
     let arrivals = Arrival::read_csv(&text).map_err(|error| Failure::input(visits, error))?;
-    cut(&log.scans, &arrivals, &RecordingParameters::default()).map_err(|error| Failure::input(visits, error))
+    let arrivals = arrivals.into_iter().map(|arrival| arrival.scan).collect();
+    let refused = |error: ArrivalsError| Failure::input(visits, error);
+    let mut marked = AnnotatedVisits::new(arrivals, &VisitParameters::default()).map_err(refused)?;
+    let mut stages: Vec<Stage> = log.scans.iter().filter_map(|scan| marked.add(scan)).collect();
+    stages.extend(marked.finish().map_err(refused)?);
+    Ok(stages)
 }
 
 /// A file, decompressed by its ending; `-` is standard input.

@@ -3,7 +3,11 @@
 pub mod carmen;
 pub mod ray_cast;
 pub mod scan;
+pub mod scan_matching;
+pub mod surface;
+mod walls;
 
 pub use carmen::{CarmenError, CarmenLog};
 pub use ray_cast::EvidenceGrid;
 pub use scan::LaserScan;
+pub use scan_matching::{LocalPose, MatchingParameters, ScanMatcher};
