@@ -1,6 +1,7 @@
 //! Removal of specks: what is too small to be an obstacle or a shadow that matters.
 
 use crate::grid::{Cell, GridInfo, OccupancyGrid};
+use std::f64::consts::FRAC_1_SQRT_2;
 
 /// What is too small to matter, in metres and square metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,19 +12,22 @@ pub struct CleaningParameters {
     /// Patches of occupied cells below this area are stray range readings. Default 0.015, which is six cells of
     /// 5 cm: a leg of a chair seen once, not a wall.
     pub stray: f64,
-    /// Patches without any free cell below this area do not part the ways around them: thin posts, legs, and
-    /// shadows between rays. Default 0.25.
-    pub speck: f64,
+    /// Unknown patches without an obstacle in them below this area are shadows between rays. Default 0.25.
+    pub shadow: f64,
+    /// Obstacles that stand free and are nowhere longer than this do not part the ways around them: posts, legs,
+    /// chairs. A wall is longer, however thin. Default 0.5.
+    pub post: f64,
 }
 
 impl Default for CleaningParameters {
     fn default() -> Self {
-        CleaningParameters { gap: 0.2, stray: 0.015, speck: 0.25 }
+        CleaningParameters { gap: 0.2, stray: 0.015, shadow: 0.25, post: 0.5 }
     }
 }
 
-/// The grid without specks. First gaps between rays become free, then stray occupied patches (cells touching by side or corner) become unknown, and last
-/// patches that are not free (cells touching by side) become free.
+/// The grid without specks. First gaps between rays become free, then stray occupied patches (cells touching by
+/// side or corner) become unknown, and last shadows and posts, which are patches that are not free, become free
+/// (cells touching by side or corner, as thin slanting walls do). Linear in the number of cells.
 pub fn clean(grid: &OccupancyGrid, parameters: &CleaningParameters) -> OccupancyGrid {
     let info = *grid.info();
     let cell_area = info.resolution * info.resolution;
@@ -33,11 +37,13 @@ pub fn clean(grid: &OccupancyGrid, parameters: &CleaningParameters) -> Occupancy
     fill_gaps(&info, &mut cells, gap as usize);
     // Areas of whole cells are compared with areas in decimal metres.
     let cells_in = |area: f64| area / cell_area - 1e-6;
-    let (stray, speck) = (cells_in(parameters.stray), cells_in(parameters.speck));
-    let occupied = Patches::new(&info, &cells, true, |cell| cell == Cell::Occupied);
-    occupied.small(stray).for_each(|i| cells[i] = Cell::Unknown);
-    let closed = Patches::new(&info, &cells, false, |cell| cell != Cell::Free);
-    closed.small(speck).for_each(|i| cells[i] = Cell::Free);
+    let (stray, shadow) = (cells_in(parameters.stray), cells_in(parameters.shadow));
+    let post = parameters.post / info.resolution + 1e-6;
+    let occupied = Patches::new(&info, &cells, |cell| cell == Cell::Occupied);
+    occupied.of(|patch| (patch.cells as f64) < stray).for_each(|i| cells[i] = Cell::Unknown);
+    let closed = Patches::new(&info, &cells, |cell| cell != Cell::Free);
+    let small = |patch: &Patch| patch.length() <= post || (!patch.occupied && (patch.cells as f64) < shadow);
+    closed.of(small).for_each(|i| cells[i] = Cell::Free);
     grid.with_cells(cells)
 }
 
@@ -80,18 +86,61 @@ struct Run {
     end: usize,
     /// The run of its patch that comes first, or one on the way to it.
     parent: usize,
+    occupied: bool,
 }
 
-/// Patches of the chosen cells that touch one another by their sides, or by corners too.
+/// Patches of the chosen cells that touch one another by their sides or corners.
 struct Patches {
     width: usize,
     runs: Vec<Run>,
 }
 
+/// Directions in which a patch is measured: a sixteenth of a turn apart, so that no length is short by more than 2 %.
+const DIRECTIONS: [(f64, f64); 8] = [
+    (1.0, 0.0),
+    (0.923_879_532_511_286_7, 0.382_683_432_365_089_8),
+    (FRAC_1_SQRT_2, FRAC_1_SQRT_2),
+    (0.382_683_432_365_089_8, 0.923_879_532_511_286_7),
+    (0.0, 1.0),
+    (-0.382_683_432_365_089_8, 0.923_879_532_511_286_7),
+    (-FRAC_1_SQRT_2, FRAC_1_SQRT_2),
+    (-0.923_879_532_511_286_7, 0.382_683_432_365_089_8),
+];
+
+/// What a patch amounts to.
+#[derive(Clone)]
+struct Patch {
+    cells: usize,
+    /// Whether any of its cells is occupied.
+    occupied: bool,
+    /// The least and the greatest offset of its cells in each direction, cells.
+    reach: [(f64, f64); 8],
+}
+
+impl Patch {
+    const EMPTY: Patch = Patch { cells: 0, occupied: false, reach: [(f64::INFINITY, f64::NEG_INFINITY); 8] };
+
+    fn add(&mut self, run: &Run, width: usize) {
+        self.cells += run.end - run.start;
+        self.occupied |= run.occupied;
+        let y = (run.start / width) as f64;
+        for x in [run.start % width, (run.end - 1) % width].map(|x| x as f64) {
+            for (reach, (a, b)) in self.reach.iter_mut().zip(DIRECTIONS) {
+                let offset = a * x + b * y;
+                *reach = (reach.0.min(offset), reach.1.max(offset));
+            }
+        }
+    }
+
+    /// The greatest distance between two of its points, sides of cells included, in cells.
+    fn length(&self) -> f64 {
+        self.reach.iter().map(|(low, high)| high - low + 1.0).fold(0.0, f64::max)
+    }
+}
+
 impl Patches {
-    fn new(info: &GridInfo, cells: &[Cell], corners: bool, chosen: impl Fn(Cell) -> bool) -> Self {
+    fn new(info: &GridInfo, cells: &[Cell], chosen: impl Fn(Cell) -> bool) -> Self {
         let mut patches = Patches { width: info.width, runs: Vec::new() };
-        let reach = usize::from(corners);
         let mut above = 0..0;
         for (y, row) in cells.chunks(info.width).enumerate() {
             let first = patches.runs.len();
@@ -99,8 +148,9 @@ impl Patches {
             for stretch in row.chunk_by(|&a, &b| chosen(a) == chosen(b)) {
                 let end = start + stretch.len();
                 if chosen(stretch[0]) {
-                    patches.runs.push(Run { start, end, parent: patches.runs.len() });
-                    patches.join(above.clone(), reach);
+                    let occupied = stretch.contains(&Cell::Occupied);
+                    patches.runs.push(Run { start, end, parent: patches.runs.len(), occupied });
+                    patches.join(above.clone());
                 }
                 start = end;
             }
@@ -110,12 +160,12 @@ impl Patches {
     }
 
     /// Joins the last run with those of the row below that it touches.
-    fn join(&mut self, below: std::ops::Range<usize>, reach: usize) {
+    fn join(&mut self, below: std::ops::Range<usize>) {
         let last = self.runs.len() - 1;
         let (start, end) = (self.runs[last].start, self.runs[last].end);
         for run in below {
             let other = &self.runs[run];
-            if other.start + self.width < end + reach && start < other.end + self.width + reach {
+            if other.start + self.width < end + 1 && start < other.end + self.width + 1 {
                 let (a, b) = (self.root(run), self.root(last));
                 self.runs[a.max(b)].parent = a.min(b);
             }
@@ -129,15 +179,16 @@ impl Patches {
         run
     }
 
-    /// The cells of all patches of fewer than `most` cells.
-    fn small(&self, most: f64) -> impl Iterator<Item = usize> {
-        let mut sizes = vec![0usize; self.runs.len()];
+    /// The cells of all patches that are as wanted.
+    fn of(&self, wanted: impl Fn(&Patch) -> bool) -> impl Iterator<Item = usize> {
+        let mut patches = vec![Patch::EMPTY; self.runs.len()];
         let roots: Vec<usize> = (0..self.runs.len()).map(|run| self.root(run)).collect();
         for (run, &root) in self.runs.iter().zip(&roots) {
-            sizes[root] += run.end - run.start;
+            patches[root].add(run, self.width);
         }
-        let small = move |&(_, root): &(&Run, usize)| (sizes[root] as f64) < most;
-        self.runs.iter().zip(roots).filter(small).flat_map(|(run, _)| run.start..run.end)
+        let wanted: Vec<bool> = patches.iter().map(|patch| patch.cells > 0 && wanted(patch)).collect();
+        let runs = self.runs.iter().zip(roots).filter(move |&(_, root)| wanted[root]);
+        runs.flat_map(|(run, _)| run.start..run.end)
     }
 }
 
@@ -156,7 +207,7 @@ mod tests {
         };
         let cells = picture.iter().flat_map(|row| row.chars().map(cell)).collect();
         let grid = OccupancyGrid::new(info, cells).unwrap();
-        let clean = clean(&grid, &CleaningParameters { gap: 0.1, stray: 0.02, speck: 0.04 });
+        let clean = clean(&grid, &CleaningParameters { gap: 0.1, stray: 0.02, shadow: 0.04, post: 0.2 });
         let char_of = |cell: &Cell| match cell {
             Cell::Free => '.',
             Cell::Occupied => '#',

@@ -58,6 +58,8 @@ usage: cargo xtask <task>
   evaluate [WALKS [SEED]]
            random walks with odometry that drifts: how often an axiom refutes the true map, how many candidates are
            left, and how often the true map is preferred
+  gateways [doors] [borders] [stability] [defaults]
+           how well gateways and stars are read off recorded maps; needs ../shared/data
   golden   write the golden files anew (api/openapi.json, api/examples, worlds/pictures); look at the difference
            before committing";
 
@@ -73,6 +75,7 @@ fn main() -> ExitCode {
         }]),
         ["compare", ref rest @ ..] => compare(rest),
         ["evaluate", ref rest @ ..] => evaluate(rest),
+        ["gateways", ref rest @ ..] => bench("gateways", rest, &[]),
         ["help" | "--help" | "-h"] => {
             println!("{HELP}");
             ExitCode::SUCCESS

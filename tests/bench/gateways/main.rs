@@ -1,0 +1,39 @@
+//! How well gateways and stars are read off buildings that others recorded: `../shared/data`, see its README.
+//!
+//! `cargo xtask gateways [doors] [borders] [stability] [defaults]` prints what is asked for, everything unless told:
+//!
+//! * `doors`: the annotated doors of gdc3, from the pose from which a robot approaches each on either side;
+//! * `borders`: the borders between rooms of the segmented maps, plain and furnished, from either side;
+//! * `stability`: whether the star of a place survives another laying of the grid, noise, and another arrival;
+//! * `defaults`: every default 20 % down and up, and what that changes.
+//!
+//! With `GATEWAY_PICTURES=DIR` every window with a door or a border is drawn there.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "an evaluation ends where something is wrong")]
+
+mod aces;
+mod borders;
+mod defaults;
+mod doors;
+mod maps;
+mod openings;
+mod stability;
+
+fn main() {
+    let asked: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
+    if !maps::data("maps").is_dir() {
+        println!("skipped, as ../shared/data is not there: gateways {}", asked.join(" "));
+        return;
+    }
+    let parts: [(&str, fn()); 4] = [
+        ("doors", doors::print),
+        ("borders", borders::print),
+        ("stability", stability::print),
+        ("defaults", defaults::print),
+    ];
+    for (name, print) in parts {
+        if asked.is_empty() || asked.iter().any(|word| word == name) {
+            print();
+        }
+    }
+}
