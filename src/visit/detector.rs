@@ -2,8 +2,9 @@
 
 use crate::geometry::{Point, Pose};
 use crate::grid::GridError;
+use crate::lpm::Lpm;
 use crate::sensor::LaserScan;
-use crate::star::describe;
+use crate::star::{PlaceDescription, describe};
 use crate::visit::follower::Follower;
 use crate::visit::passage::passages;
 use crate::visit::sighting::{Seen, Sighting, is_passage, look};
@@ -164,23 +165,26 @@ impl VisitDetector {
         if !long || 2 * sightings < all {
             return None;
         }
-        let seen = self.follower.lpm(&group.center, &inside[0].local_from_robot)?;
-        let place = describe(&seen, &self.parameters.perception).ok().filter(|place| !is_passage(place))?;
-        if place.center.coords.norm() > self.parameters.agreement {
-            return None;
-        }
-        let [arrival, departure] = passages(
-            self.follower.moments(),
-            inside.map(|moment| moment.scan),
-            &group.center,
-            &place.gateways,
-        )?;
-        let center = group.center + place.center.coords;
-        let lpm = self.follower.lpm(&center, &arrival.local_from_robot)?;
+        let at = |middle: &Point| Pose { x: middle.x, y: middle.y, ..inside[0].local_from_robot };
+        let center = group.center + self.read(&group.center, &at(&group.center))?.1.center.coords;
+        let (_, place) = self.read(&center, &at(&center))?;
+        let scans = inside.map(|moment| moment.scan);
+        let [arrival, departure] = passages(self.follower.moments(), scans, &center, &place.gateways)?;
+        // What the trace will show must be the place that was found, seen from the arrival.
+        let (lpm, _) = self.read(&center, &arrival.local_from_robot)?;
         let from = self.last.as_ref().map_or(0, |last| last.stage.visit.arrival.scan);
         let way = self.follower.between(from, arrival.scan).to_vec();
         let visit = Visit { center, lpm, arrival, departure };
         Some(Found { stage: Stage { way, visit }, inside, sightings })
+    }
+
+    /// The LPM around a point of the local frame as seen over the whole visit, from a pose in it, and its place, if it is
+    /// one and has its middle there.
+    fn read(&self, middle: &Point, robot: &Pose) -> Option<(Lpm, PlaceDescription)> {
+        let lpm = self.follower.lpm(middle, robot)?;
+        let place = describe(&lpm, &self.parameters.perception).ok()?;
+        let there = place.center.coords.norm() <= self.parameters.agreement;
+        (there && !is_passage(&place)).then_some((lpm, place))
     }
 }
 

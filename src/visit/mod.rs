@@ -11,6 +11,7 @@ pub mod drift;
 mod follower;
 mod passage;
 mod sighting;
+pub mod truth;
 
 pub use annotated::{AnnotatedVisits, ArrivalsError};
 pub use detector::VisitDetector;

@@ -7,9 +7,10 @@ use crate::visit::Moment;
 /// A robot that passes a gateway may be this far beside it, metres: its half width.
 const BESIDE: f64 = 0.3;
 
-/// The last moment before the robot was at the place, and the first at which it had left it. `way` is all that is
-/// known of its way; at `inside` it is at the place. A robot that was at the place when the log began or ended came in
-/// with the first moment, or left with the last; nothing if nothing is known of its way.
+/// The first moment at which the robot was at the place, and the first at which it had left it, by the lines of its
+/// gateways. `way` is all that is known of its way; at the scans `inside` it is at the place. A robot that was at the
+/// place when the log began or ended came in with the first moment, or left with the last; nothing if nothing is known
+/// of its way.
 pub(super) fn passages(
     way: &[Moment],
     inside: [usize; 2],
@@ -22,9 +23,10 @@ pub(super) fn passages(
     };
     let before = way.partition_point(|moment| moment.scan <= inside[0]);
     let after = way.partition_point(|moment| moment.scan < inside[1]);
-    let came = way[..before].iter().rev().find(|moment| outside(moment)).or(way.first())?;
-    let left = way[after..].iter().find(|moment| outside(moment)).or(way.last())?;
-    Some([*came, *left])
+    let came = way[..before].iter().rposition(outside).map_or(0, |last| last + 1);
+    let left = way[after..].iter().position(outside).map_or(way.len(), |first| after + first);
+    let last = way.last()?;
+    Some([*way.get(came).unwrap_or(last), *way.get(left).unwrap_or(last)])
 }
 
 /// Whether a point lies beyond the line of a gateway, in the strip as wide as the gateway.
