@@ -5,6 +5,7 @@ use crate::cli::asked::{Asked, Said};
 use crate::cli::classic::{self, is_of_views};
 use crate::cli::failure::Failure;
 use crate::cli::input::{Events, read_events};
+use crate::cli::log::LogArgs;
 use crate::cli::words::{certainty, in_words, reasons_in_words};
 use crate::export::{self, Explanation, MapGraph, map_svg, map_text};
 use crate::service::{Limits, MapConfig, Session, SessionError};
@@ -31,11 +32,14 @@ Examples:
   topostar map trace.ndjson --assert 0=8 --assert 3!=5
                                                     the map if these are, and these are not, one place")]
 pub(super) struct Map {
-    /// A trace (.ndjson), a CARMEN log (.clf or .log, also .gz and .bz2) with --visits, or - for standard input.
+    /// A trace (.ndjson), a log with --visits (CARMEN's .clf or .log, also .gz and .bz2; a ROS 2 bag, .mcap or its
+    /// folder), or - for standard input.
     pub(super) input: PathBuf,
     /// The arrivals in a log: CSV with the columns place,raw_scan_index.
     #[arg(long, value_name = "CSV")]
     visits: Option<PathBuf>,
+    #[command(flatten)]
+    log: LogArgs,
     /// A choice of axioms; `default` unless the trace is one of views, then `classic`.
     #[arg(long, value_enum)]
     profile: Option<AnyProfileName>,
@@ -113,7 +117,7 @@ pub(super) enum StrategyName {
 impl Map {
     pub(super) fn run(self) -> Result<(), Failure> {
         let started = Instant::now();
-        let input = read_events(&self.input, self.visits.as_deref())?;
+        let input = read_events(&self.input, self.visits.as_deref(), &self.log)?;
         // Where there is nothing to tell by, the options do.
         let asked = input.events.is_empty() && matches!(self.profile, Some(AnyProfileName::Classic));
         let (axioms, strategy) = match self.theory(asked || is_of_views(&input.events))? {

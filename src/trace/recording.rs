@@ -253,6 +253,7 @@ fn shape(poses: impl Iterator<Item = Pose>) -> Vec<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sensor::log::LaserNumber;
     use std::f64::consts::FRAC_PI_2;
 
     /// A drive of 20 m east and 20 m north in steps of 0.1 m, a wall always 2 m ahead.
@@ -260,6 +261,7 @@ mod tests {
         let east = (0..=200).map(|k| Pose::new(0.1 * f64::from(k), 0.0, 0.0));
         let north = (0..=200).map(|k| Pose::new(20.0, 0.1 * f64::from(k), FRAC_PI_2));
         let scan = |(k, odom_from_robot)| LaserScan {
+            laser: LaserNumber::FRONT,
             stamp: k as f64,
             odom_from_robot,
             robot_from_laser: Pose::IDENTITY,
