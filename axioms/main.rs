@@ -29,4 +29,5 @@ mod planarity;
 mod registry;
 mod search;
 mod topology;
+mod visits;
 mod word;

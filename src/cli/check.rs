@@ -5,6 +5,7 @@ use crate::cli::clingo::Clingo;
 use crate::cli::comparison::{Comparison, Difference, Effect, Found, Question, Race, Step};
 use crate::cli::failure::Failure;
 use crate::cli::input::read_events;
+use crate::cli::log::LogArgs;
 use crate::cli::map::{BoundaryName, ProfileName, progress};
 use crate::export::answer_set::{PREFERENCE, THEORY, facts};
 use crate::reference::Story;
@@ -152,7 +153,7 @@ struct Read {
 }
 
 fn read(input: &Path) -> Result<Read, Failure> {
-    let events = read_events(input, None)?;
+    let events = read_events(input, None, &LogArgs::default())?;
     let mut experience = Experience::new();
     let mut read = Read { visits: Vec::new(), word: Vec::new(), fault: events.fault };
     for (place, event) in &events.events {

@@ -2,7 +2,8 @@
 
 use crate::cli::failure::Failure;
 use crate::cli::input::{Events, open, plain_extension, read_events};
-use crate::cli::metres;
+use crate::cli::log::LogArgs;
+use crate::cli::{metres, pose};
 use crate::export::{Extraction, extraction_svg};
 use crate::geometry::Pose;
 use crate::grid::{Cell, GridInfo, OccupancyGrid};
@@ -38,6 +39,8 @@ pub(super) struct Extract {
     /// The arrivals in a log: CSV with the columns place,raw_scan_index.
     #[arg(long, value_name = "CSV")]
     visits: Option<PathBuf>,
+    #[command(flatten)]
+    log: LogArgs,
     /// Write a picture of a single grid there.
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
@@ -116,7 +119,7 @@ impl Extract {
     }
 
     fn trace_grids(&self) -> Result<Grids, Failure> {
-        let Events { events, fault } = read_events(&self.input, self.visits.as_deref())?;
+        let Events { events, fault } = read_events(&self.input, self.visits.as_deref(), &self.log)?;
         let mut lpms = Vec::new();
         let mut way = None;
         for (_, event) in events {
@@ -172,25 +175,4 @@ fn middle(info: &GridInfo) -> Pose {
     let half =
         Pose::new(info.width as f64 * info.resolution / 2.0, info.height as f64 * info.resolution / 2.0, 0.0);
     info.origin.compose(&half)
-}
-
-fn pose(text: &str) -> Result<Pose, String> {
-    let numbers: Result<Vec<f64>, _> = text.split(',').map(|word| word.trim().parse()).collect();
-    match numbers.as_deref() {
-        Ok(&[x, y, theta]) if [x, y, theta].iter().all(|n| n.is_finite()) => Ok(Pose::new(x, y, theta)),
-        _ => Err("expected three numbers, x,y,heading".into()),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_pose_is_three_numbers_and_nothing_else() {
-        assert_eq!(pose("1, -2,0.5"), Ok(Pose::new(1.0, -2.0, 0.5)));
-        for bad in ["1,2", "1,2,3,4", "1,x,2,3", "1,2,nan", "1,2,1e999", "", ",,"] {
-            assert!(pose(bad).is_err(), "{bad}");
-        }
-    }
 }

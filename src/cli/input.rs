@@ -1,47 +1,48 @@
 //! Input files: traces and recorded logs, plain or compressed, or standard input.
 
 use crate::cli::failure::Failure;
-use crate::grid::GridError;
-use crate::sensor::CarmenLog;
+use crate::cli::log::{LogArgs, LogScans, is_log, read_log};
+use crate::sensor::LaserScan;
+use crate::sensor::log::LogError;
 use crate::trace::recording::{Arrival, Recorder};
 use crate::trace::{Event, read_lines};
+use crate::visit::truth::Timetable;
 use crate::visit::{AnnotatedVisits, ArrivalsError, Stage, VisitDetector, VisitParameters};
 use bzip2::read::MultiBzDecoder;
 use flate2::read::MultiGzDecoder;
 use std::fs::File;
-use std::io::{self, BufRead, BufReader};
+use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
 /// The events of an input up to its first fault.
+#[derive(Default)]
 pub(super) struct Events {
     /// Each with the words that say where it came from.
     pub(super) events: Vec<(String, Event)>,
     /// What ended the reading before the end of the input.
     pub(super) fault: Option<Failure>,
+    /// When the visits of a log were; empty for a trace.
+    pub(super) timetable: Timetable,
 }
 
-/// The events of a trace, or of the visits in a CARMEN log: those that are found, or those whose arrivals are given.
-pub(super) fn read_events(input: &Path, visits: Option<&Path>) -> Result<Events, Failure> {
+/// The events of a trace, or of the visits in a log: those that are found, or those at the arrivals given.
+pub(super) fn read_events(input: &Path, visits: Option<&Path>, log: &LogArgs) -> Result<Events, Failure> {
     match (is_log(input), visits) {
-        (true, visits) => {
-            let numbered = read_log(input, visits)?.into_iter();
-            let events = numbered.map(|event| (format!("event {} of the log", event.seq), event)).collect();
-            Ok(Events { events, fault: None })
-        }
+        (true, None) => found_visits(input, read_log(input, log)?),
+        (true, Some(visits)) => visits_at(input, read_log(input, log)?, visits),
         (false, Some(_)) => {
             Err(Failure::Input(format!("{}: --visits goes with a log, not with a trace", input.display())))
+        }
+        (false, None) if *log != LogArgs::default() => {
+            Err(Failure::Usage(format!("{}: the options for logs do not go with a trace", input.display())))
         }
         (false, None) => {
             let (events, error) = read_lines(open(input)?);
             let events = events.into_iter().map(|(line, event)| (format!("line {line}"), event)).collect();
-            Ok(Events { events, fault: error.map(|error| Failure::input(input, error)) })
+            let fault = error.map(|error| Failure::input(input, error));
+            Ok(Events { events, fault, ..Events::default() })
         }
     }
-}
-
-/// Whether a file name is that of a CARMEN log.
-fn is_log(input: &Path) -> bool {
-    matches!(plain_extension(input).as_str(), "clf" | "log")
 }
 
 /// The extension of a file name once that of a compression is taken off; empty if there is none.
@@ -51,33 +52,67 @@ pub(super) fn plain_extension(path: &Path) -> String {
     plain.extension().map(|ending| ending.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
-fn read_log(input: &Path, visits: Option<&Path>) -> Result<Vec<Event>, Failure> {
-    let log = CarmenLog::read(open(input)?).map_err(|error| Failure::input(input, error))?;
-    eprintln!("{}: {} scans, {} other lines passed over", input.display(), log.scans.len(), log.skipped);
-    let stages = match visits {
-        Some(visits) => marked_visits(&log, visits)?,
-        None => found_visits(&log).map_err(|error| Failure::input(input, error))?,
-    };
-    let mut recorder = Recorder::default();
-    Ok(stages.into_iter().flat_map(|stage| recorder.add(stage)).collect())
-}
-
-fn found_visits(log: &CarmenLog) -> Result<Vec<Stage>, GridError> {
-    let mut detector = VisitDetector::new(VisitParameters::default())?;
-    let mut stages: Vec<Stage> = log.scans.iter().flat_map(|scan| detector.add(scan)).collect();
+/// The events of a log up to its first fault.
+fn found_visits(input: &Path, mut log: LogScans) -> Result<Events, Failure> {
+    let bad = |error: &dyn std::fmt::Display| Failure::input(input, error);
+    let mut detector = VisitDetector::new(VisitParameters::default()).map_err(|error| bad(&error))?;
+    let mut stages = Vec::new();
+    let fault = feed(&mut log, |scan| stages.extend(detector.add(scan)));
     stages.extend(detector.finish());
-    Ok(stages)
+    Events::of(input, &log, stages, fault)
 }
 
-fn marked_visits(log: &CarmenLog, visits: &Path) -> Result<Vec<Stage>, Failure> {
-    let text = io::read_to_string(open(visits)?).map_err(|error| Failure::input(visits, error))?;
-    let arrivals = Arrival::read_csv(&text).map_err(|error| Failure::input(visits, error))?;
-    let arrivals = arrivals.into_iter().map(|arrival| arrival.scan).collect();
-    let refused = |error: ArrivalsError| Failure::input(visits, error);
-    let mut marked = AnnotatedVisits::new(arrivals, &VisitParameters::default()).map_err(refused)?;
-    let mut stages: Vec<Stage> = log.scans.iter().filter_map(|scan| marked.add(scan)).collect();
-    stages.extend(marked.finish().map_err(refused)?);
-    Ok(stages)
+/// The events of a log up to its first fault; arrivals after that are left out.
+fn visits_at(input: &Path, mut log: LogScans, visits: &Path) -> Result<Events, Failure> {
+    let bad = |error: &dyn std::fmt::Display| Failure::input(visits, error);
+    let arrivals = read_arrivals(visits)?.into_iter().map(|arrival| arrival.scan).collect();
+    let mut marked =
+        AnnotatedVisits::new(arrivals, &VisitParameters::default()).map_err(|error| bad(&error))?;
+    let mut stages = Vec::new();
+    let fault = feed(&mut log, |scan| stages.extend(marked.add(scan)));
+    match marked.finish() {
+        Ok(last) => stages.extend(last),
+        // The log ended too early to hold them all.
+        Err(ArrivalsError::Beyond { .. }) if fault.is_some() => {}
+        Err(error) => return Err(bad(&error)),
+    }
+    Events::of(input, &log, stages, fault)
+}
+
+/// Marked arrivals, from CSV.
+pub(super) fn read_arrivals(file: &Path) -> Result<Vec<Arrival>, Failure> {
+    let bad = |error: &dyn std::fmt::Display| Failure::input(file, error);
+    let text = io::read_to_string(open(file)?).map_err(|error| bad(&error))?;
+    Arrival::read_csv(&text).map_err(|error| bad(&error))
+}
+
+/// Gives away the scans of a log one by one, up to its first fault.
+fn feed(log: &mut LogScans, mut take: impl FnMut(&LaserScan)) -> Option<LogError> {
+    log.find_map(|scan| scan.map(|scan| take(&scan)).err())
+}
+
+impl Events {
+    fn of(
+        input: &Path,
+        log: &LogScans,
+        stages: Vec<Stage>,
+        fault: Option<LogError>,
+    ) -> Result<Events, Failure> {
+        let fault = fault.map(|fault| Failure::input(input, fault));
+        let report = log.report();
+        if report.scans() == 0 {
+            return fault.map_or_else(|| Ok(Events::default()), Err);
+        }
+        eprintln!("{}: {report}", input.display());
+        let mut events = Events { fault, ..Events::default() };
+        let mut recorder = Recorder::default();
+        for stage in stages {
+            events.timetable.add(&stage);
+            let recorded = recorder.add(stage).into_iter();
+            events.events.extend(recorded.map(|event| (format!("event {} of the log", event.seq), event)));
+        }
+        Ok(events)
+    }
 }
 
 /// A file, decompressed by its ending; `-` is standard input.
@@ -87,10 +122,14 @@ pub(super) fn open(path: &Path) -> Result<Box<dyn BufRead>, Failure> {
     }
     let file =
         File::open(path).map_err(|error| Failure::input(path, format!("cannot be opened: {error}")))?;
-    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
-    Ok(match ending {
+    Ok(decompressed(path, file))
+}
+
+/// The content of a file, decompressed by the ending of its name.
+pub(super) fn decompressed(path: &Path, file: impl Read + 'static) -> Box<dyn BufRead> {
+    match path.extension().and_then(|e| e.to_str()).unwrap_or_default() {
         "bz2" => Box::new(BufReader::new(MultiBzDecoder::new(file))),
         "gz" => Box::new(BufReader::new(MultiGzDecoder::new(file))),
         _ => Box::new(BufReader::new(file)),
-    })
+    }
 }

@@ -11,11 +11,13 @@ mod demo;
 mod extract;
 mod failure;
 mod input;
+mod log;
 mod map;
 mod serve;
 mod words;
 mod world;
 
+use crate::geometry::Pose;
 use clap::{Parser, Subcommand};
 use failure::Failure;
 use std::process::ExitCode;
@@ -57,6 +59,15 @@ fn metres(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A pose given as an option: x,y,heading.
+fn pose(text: &str) -> Result<Pose, String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|word| word.trim().parse()).collect();
+    match numbers.as_deref() {
+        Ok(&[x, y, theta]) if [x, y, theta].iter().all(|n| n.is_finite()) => Ok(Pose::new(x, y, theta)),
+        _ => Err("expected three numbers, x,y,heading".into()),
+    }
+}
+
 /// Runs the verb that the process was called with.
 pub fn run() -> ExitCode {
     let outcome = match Cli::parse().verb {
@@ -68,4 +79,17 @@ pub fn run() -> ExitCode {
         Verb::World(verb) => verb.run(),
     };
     outcome.map_or_else(|failure: Failure| failure.report(), |()| ExitCode::SUCCESS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pose_is_three_numbers_and_nothing_else() {
+        assert_eq!(pose("1, -2,0.5"), Ok(Pose::new(1.0, -2.0, 0.5)));
+        for bad in ["1,2", "1,2,3,4", "1,x,2,3", "1,2,nan", "1,2,1e999", "", ",,"] {
+            assert!(pose(bad).is_err(), "{bad}");
+        }
+    }
 }

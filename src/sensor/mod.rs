@@ -1,13 +1,12 @@
 //! What a robot's sensors gave: recorded logs, laser scans, and the grids that rays make of them.
 
-pub mod carmen;
+pub mod log;
 pub mod ray_cast;
 pub mod scan;
 pub mod scan_matching;
 pub mod surface;
 mod walls;
 
-pub use carmen::{CarmenError, CarmenLog};
 pub use ray_cast::EvidenceGrid;
 pub use scan::LaserScan;
 pub use scan_matching::{LocalPose, MatchingParameters, ScanMatcher};

@@ -263,6 +263,7 @@ mod tests {
     fn a_wall_ahead_is_occupied_and_the_way_to_it_free() {
         let mut grid = EvidenceGrid::new(info());
         let scan = LaserScan {
+            laser: crate::sensor::log::LaserNumber::FRONT,
             stamp: 0.0,
             odom_from_robot: Pose::IDENTITY,
             robot_from_laser: Pose::IDENTITY,

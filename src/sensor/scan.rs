@@ -1,10 +1,13 @@
 //! One sweep of a planar range finder.
 
 use crate::geometry::{Point, Pose, direction};
+use crate::sensor::log::LaserNumber;
 
 /// A sweep of a planar range finder with the robot's odometry at that moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LaserScan {
+    /// Which laser of the robot it is from.
+    pub laser: LaserNumber,
     /// Seconds, as the log has them.
     pub stamp: f64,
     /// Pose of the robot in the odometry frame.

@@ -4,14 +4,15 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a helper of tests fails the test")]
 
-use std::fs::{self, File};
-use std::io::BufReader;
+mod logs;
+
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use topostar::abduction::{Abduction, AxiomSet, Limits, Profile, Visit, judge};
 use topostar::export::Report;
 use topostar::metric::Measurements;
-use topostar::sensor::CarmenLog;
+use topostar::sensor::LaserScan;
 use topostar::service::{self, Maps, MemoryStore, app};
 use topostar::star::{LargeScaleStar, PerceptionParameters};
 use topostar::trace::perceive::perceive;
@@ -22,28 +23,27 @@ fn data(file: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(file)
 }
 
-/// The log, the arrivals in it, and the trace of both.
-fn aces() -> (CarmenLog, Vec<Arrival>, Vec<Event>) {
-    let file = File::open(data("logs/aces.clf.bz2")).unwrap();
-    let log = CarmenLog::read(BufReader::new(bzip2::read::MultiBzDecoder::new(file))).unwrap();
+/// The scans of the log, the arrivals in it, and the trace of both.
+fn aces() -> (Vec<LaserScan>, Vec<Arrival>, Vec<Event>) {
+    let scans = logs::scans("aces");
     let visits = fs::read_to_string(data("logs/aces-visits.csv")).unwrap();
     let arrivals = Arrival::read_csv(&visits).unwrap();
-    let events = cut(&log.scans, &arrivals, &RecordingParameters::default()).unwrap();
-    (log, arrivals, events)
+    let events = cut(&scans, &arrivals, &RecordingParameters::default()).unwrap();
+    (scans, arrivals, events)
 }
 
 #[test]
 fn the_aces_log_is_read_whole() {
-    let (log, arrivals, events) = aces();
-    assert_eq!((log.scans.len(), arrivals.len()), (7374, 15));
+    let (scans, arrivals, events) = aces();
+    assert_eq!((scans.len(), arrivals.len()), (7374, 15));
     assert!(
-        log.scans
+        scans
             .iter()
             .all(|scan| scan.ranges.len() == 180 && scan.robot_from_laser.position().coords.norm() < 1e-9)
     );
-    let first = log.scans[0].odom_from_robot;
+    let first = scans[0].odom_from_robot;
     assert!((first.theta + std::f64::consts::FRAC_PI_2).abs() < 1e-3 && first.position().coords.norm() < 0.1);
-    let (start, end) = (log.scans[0].stamp, log.scans[7373].stamp);
+    let (start, end) = (scans[0].stamp, scans[7373].stamp);
     assert!((end - start - 1366.0).abs() < 2.0, "{start} {end}");
     assert_eq!(events.len(), 15 + 14 + 14);
 }

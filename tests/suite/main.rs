@@ -7,5 +7,6 @@ mod cli;
 mod docs;
 mod http;
 mod layers;
+mod logs;
 mod openapi;
 mod worlds;

@@ -73,6 +73,7 @@ mod tests {
     use super::*;
     use crate::geometry::Point;
     use crate::sensor::LaserScan;
+    use crate::sensor::log::LaserNumber;
     use crate::visit::{AnnotatedVisits, ArrivalsError, VisitParameters};
     use std::f64::consts::FRAC_PI_2;
 
@@ -83,6 +84,7 @@ mod tests {
         let north = (0..=200).map(|k| Pose::new(20.0, 0.1 * f64::from(k), FRAC_PI_2));
         let scan = |(k, odom_from_robot)| LaserScan {
             stamp: k as f64,
+            laser: LaserNumber::FRONT,
             odom_from_robot,
             robot_from_laser: Pose::IDENTITY,
             start_angle: 0.0,

@@ -1,0 +1,55 @@
+//! Lines of bounded length, and where they end too early.
+
+use crate::sensor::log::LogError;
+use std::io::{self, BufRead, Read};
+
+/// The longest line that is read, bytes; a scan of the most beams fits.
+const MAX_LINE: u64 = 4 * 1024 * 1024;
+
+/// Reads a text line by line into one buffer.
+#[derive(Debug)]
+pub(super) struct Lines<R> {
+    input: R,
+    buffer: Vec<u8>,
+    /// The line last read, from 1.
+    pub(super) number: u64,
+    /// Whether the input broke off inside a compressed stream.
+    pub(super) broken_off: bool,
+}
+
+impl<R: BufRead> Lines<R> {
+    pub(super) fn new(input: R) -> Self {
+        Lines { input, buffer: Vec::new(), number: 0, broken_off: false }
+    }
+
+    /// Goes to the next line; false at the end of the input.
+    pub(super) fn advance(&mut self) -> Result<bool, LogError> {
+        self.buffer.clear();
+        if self.broken_off {
+            return Ok(false);
+        }
+        self.number += 1;
+        let line = self.number;
+        match self.input.by_ref().take(MAX_LINE + 1).read_until(b'\n', &mut self.buffer) {
+            Ok(_) => {}
+            Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => self.broken_off = true,
+            Err(source) => return Err(LogError::Read { line, source }),
+        }
+        if self.buffer.len() as u64 > MAX_LINE {
+            let message = format!("is longer than {MAX_LINE} bytes, expected one message a line");
+            return Err(LogError::Line { line, message });
+        }
+        Ok(!self.buffer.is_empty())
+    }
+
+    /// The current line, its bytes that are no UTF-8 replaced, without a byte order mark.
+    pub(super) fn text(&self) -> std::borrow::Cow<'_, str> {
+        let mark = if self.number == 1 { &b"\xef\xbb\xbf"[..] } else { b"" };
+        String::from_utf8_lossy(self.buffer.strip_prefix(mark).unwrap_or(&self.buffer))
+    }
+
+    /// Whether the current line has no line end.
+    pub(super) fn cut_off(&self) -> bool {
+        self.buffer.last() != Some(&b'\n')
+    }
+}

@@ -1,0 +1,126 @@
+//! Logs from outside: files as recorders leave them, options, and what is said about them.
+
+use crate::cli::{json, text, topostar};
+use bzip2::Compression;
+use bzip2::write::BzEncoder;
+use flate2::write::GzEncoder;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+/// A drive of 12 m along a corridor 3 m wide that ends 20 m ahead, a scan each tenth of a metre.
+fn corridor() -> String {
+    let mut log = String::from("# a corridor\nPARAM robot_frontlaser_offset 0.0 nohost 0\n");
+    for k in 0..=120 {
+        let x = f64::from(k) / 10.0;
+        let range = |beam: i32| {
+            let (sin, cos) = (f64::from(beam) - 90.0).to_radians().sin_cos();
+            let side = if sin == 0.0 { f64::INFINITY } else { 1.5 / sin.abs() };
+            side.min((20.0 - x) / cos.max(1e-9)).min(30.0)
+        };
+        let ranges: Vec<String> = (0..=180).map(|beam| format!("{:.2}", range(beam))).collect();
+        log += &format!("ODOM {x} 0 0 0 0 0 {k} nohost {k}\n");
+        log += &format!("FLASER 181 {} {x} 0 0 {x} 0 0 {k}.5 nohost {k}\n", ranges.join(" "));
+    }
+    log
+}
+
+/// A folder with the log under a name, and its arrivals.
+fn folder(name: &str, content: &[u8]) -> (tempfile::TempDir, PathBuf, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let visits = folder.path().join("visits.csv");
+    fs::write(&visits, "place,raw_scan_index\nA,5\nB,100\n").unwrap();
+    let log = folder.path().join(name);
+    fs::write(&log, content).unwrap();
+    (folder, log, visits.to_str().unwrap().to_owned())
+}
+
+fn map(log: &Path, visits: &str, more: &[&str]) -> Output {
+    topostar(&[&["map", log.to_str().unwrap(), "--visits", visits, "--json"], more].concat())
+}
+
+#[test]
+fn a_log_is_read_plain_and_compressed_and_reported() {
+    let plain = corridor().into_bytes();
+    let mut bz2 = BzEncoder::new(Vec::new(), Compression::fast());
+    bz2.write_all(&plain).unwrap();
+    let mut gz = GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    gz.write_all(&plain).unwrap();
+    let forms =
+        [("run.log", plain), ("run.clf.bz2", bz2.finish().unwrap()), ("run.log.gz", gz.finish().unwrap())];
+    for (name, content) in forms {
+        let (_kept, log, visits) = folder(name, &content);
+        let output = map(&log, &visits, &[]);
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{said}");
+        assert_eq!(json(&output)["candidates_per_observation"].as_array().unwrap().len(), 2);
+        assert!(
+            said.contains("121 scans in 120.0 s; read 121 FLASER, 121 ODOM, 1 PARAM; passed over 1 comment"),
+            "{said}"
+        );
+        assert!(
+            said.contains("181 beams, from -90.00 degrees in steps of 1.000 (guessed from their number)"),
+            "{said}"
+        );
+    }
+}
+
+#[test]
+fn options_say_what_a_log_does_not() {
+    let (_kept, log, visits) = folder("run.log", corridor().as_bytes());
+    let options = ["--max-range", "18.5", "--start-angle", "-1.5", "--mount", "-0.1,0,0.5"];
+    let said = text(&map(&log, &visits, &options).stderr);
+    for part in [
+        "18.5 m and more, as asked for",
+        "from -85.94 degrees",
+        "x -0.100 m, y 0.000 m, 28.65 degrees (as asked for)",
+    ] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    let trace = topostar(&["map", "worlds/aces-stars.ndjson", "--max-range", "20"]);
+    assert_eq!(trace.status.code(), Some(2));
+    assert!(text(&trace.stderr).contains("the options for logs do not go with a trace"));
+}
+
+#[test]
+fn what_came_before_a_bad_line_is_mapped() {
+    let log = corridor();
+    let lines: Vec<&str> = log.lines().collect();
+    let broken = format!("{}\nFLASER 181 x\n{}\n", lines[..60].join("\n"), lines[60..].join("\n"));
+    let (_kept, log, visits) = folder("run.log", broken.as_bytes());
+    let output = map(&log, &visits, &[]);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(
+        text(&output.stderr)
+            .contains("run.log: line 61: FLASER announces 181 readings and has 1 words after that")
+    );
+    assert_eq!(json(&output)["candidates_per_observation"].as_array().unwrap().len(), 1);
+}
+
+#[test]
+fn a_log_that_breaks_off_is_mapped_as_far_as_it_goes() {
+    let mut gz = GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    gz.write_all(corridor().as_bytes()).unwrap();
+    let whole = gz.finish().unwrap();
+    let (_kept, log, visits) = folder("run.log.gz", &whole[..whole.len() * 9 / 10]);
+    let output = map(&log, &visits, &[]);
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    assert!(said.contains("the file breaks off before its end"), "{said}");
+}
+
+#[test]
+fn other_files_are_refused_with_what_to_do() {
+    for (name, content, expected) in [
+        ("run.db3", &b""[..], "mcap convert"),
+        ("run.mcap", b"not a bag at all", "is no MCAP file"),
+        ("run.log", b"", "no scan in the log: found nothing at all"),
+        ("run.clf.bz2", b"plain text", "line 1: cannot be read"),
+    ] {
+        let (_kept, log, visits) = folder(name, content);
+        let output = map(&log, &visits, &[]);
+        assert_eq!(output.status.code(), Some(3), "{name}");
+        assert!(text(&output.stderr).contains(expected), "{name}: {}", text(&output.stderr));
+    }
+}
