@@ -6,7 +6,7 @@ use crate::cli::log::LogArgs;
 use crate::cli::{metres, pose};
 use crate::export::{Extraction, extraction_svg};
 use crate::geometry::Pose;
-use crate::grid::{Cell, GridInfo, OccupancyGrid};
+use crate::grid::{Cell, GridInfo, OccupancyGrid, SkeletonParameters};
 use crate::lpm::Lpm;
 use crate::star::{PerceptionParameters, describe};
 use crate::trace::wire_grid::WireLpm;
@@ -33,7 +33,7 @@ pub(super) struct Extract {
     /// Side of a pixel of an image, metres; the image's bottom-left corner is the origin.
     #[arg(long, default_value_t = 0.05, value_parser = metres)]
     resolution: f64,
-    /// The narrowest way that counts as one, metres: 0.8 for office doors.
+    /// The narrowest way that counts as one, metres: 0.8 for office doors. Below a metre rooms count as places to go to.
     #[arg(long, value_name = "METRES", value_parser = metres)]
     passage_width: Option<f64>,
     /// The arrivals in a log: CSV with the columns place,raw_scan_index.
@@ -48,6 +48,9 @@ pub(super) struct Extract {
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
 }
+
+/// A robot with a passage width below this goes through doors, metres.
+const WIDEST_DOOR: f64 = 1.0;
 
 /// The grids of an input up to its first fault.
 struct Grids {
@@ -86,7 +89,10 @@ impl Extract {
     fn parameters(&self) -> PerceptionParameters {
         let mut parameters = PerceptionParameters::default();
         if let Some(width) = self.passage_width {
-            parameters.skeleton.passage_width = width;
+            let doors = SkeletonParameters::for_doors();
+            let room_ratio = doors.room_ratio.filter(|_| width < WIDEST_DOOR);
+            parameters.skeleton =
+                SkeletonParameters { passage_width: width, room_ratio, ..SkeletonParameters::default() };
         }
         parameters
     }

@@ -5,7 +5,7 @@ use crate::gateway::place::place_center;
 use crate::gateway::way::{Way, local};
 use crate::gateway::{Beyond, Gateway, GatewayParameters};
 use crate::geometry::{Point, Vector, bearing, wrap_angle};
-use crate::grid::{DistanceField, SkeletonGraph, SkeletonParameters};
+use crate::grid::{DistanceField, NodeKind, SkeletonGraph, SkeletonParameters};
 
 /// What is within 60 degrees of straight left or right bounds a gateway on that side: the sine of the rest.
 const ABREAST: f64 = 0.5;
@@ -31,8 +31,8 @@ pub fn find_gateways(
     parameters: &GatewayParameters,
 ) -> Option<Neighborhood> {
     let center = place_center(graph, distance, near, parameters)?;
-    let ways = graph.ways_out(center).into_iter().map(|cells| {
-        let way = Way::new(cells, distance);
+    let ways = graph.ways_out(center).into_iter().map(|cells| Way::new(cells, distance));
+    let ways = ways.filter(|way| leads_on(graph, way, skeleton.room_ratio)).map(|way| {
         let at = first_constriction(&way, distance, parameters);
         WayOut { way, at }
     });
@@ -46,6 +46,13 @@ pub fn find_gateways(
         clearance: node.clearance,
         gateways,
     })
+}
+
+/// Whether a way leads to an exit, or to a room that is not part of the place: one wider than the way into it.
+fn leads_on(graph: &SkeletonGraph, way: &Way, room_ratio: Option<f64>) -> bool {
+    let Some((&end, &clearance)) = way.cells.last().zip(way.clearance.last()) else { return false };
+    let room = graph.graph.node_weights().any(|node| node.kind == NodeKind::Room && node.cell == end);
+    !room || room_ratio.is_some_and(|ratio| way.narrowest() * ratio <= clearance)
 }
 
 /// A way to an exit and the index of its gateway.
@@ -92,10 +99,9 @@ impl Measure<'_> {
     fn gateway(&self, group: &[&WayOut]) -> Option<Gateway> {
         let info = self.distance.info();
         let WayOut { way, at } = group.first()?;
-        let outward = self.common_direction(group)?;
+        let outward = self.normal(way, *at, &self.common_direction(group)?);
         let [left, right] = self.ends(way, *at, &outward);
-        let narrowest = way.clearance.iter().copied().fold(f64::INFINITY, f64::min);
-        let passage = 2.0 * narrowest - info.resolution;
+        let passage = 2.0 * way.narrowest() - info.resolution;
         let to_frame = |point: &Point| info.origin.transform_point(point);
         Some(Gateway {
             center: to_frame(&way.points[*at]),
@@ -116,6 +122,21 @@ impl Measure<'_> {
             self.outward(&one.way, at)
         });
         directions.fold(Vector::zeros(), |sum, direction| sum + direction).try_normalize(0.0)
+    }
+
+    /// The normal of the line between the walls left and right, taken over a stretch of the way as long as the gateway
+    /// is wide, so that no single cell decides; without walls on both sides the direction of the way.
+    fn normal(&self, way: &Way, at: usize, along: &Vector) -> Vector {
+        let half = way.clearance[at] / 2.0;
+        let stretch = way.arc.partition_point(|&s| s < way.arc[at] - half)..=way.ahead(at, half);
+        let resolution = self.distance.info().resolution;
+        let across = stretch.filter_map(|i| {
+            let sides = self.distance.sides(way.cells[i], along, 2.0 * resolution, ABREAST);
+            Some(local(sides.left?, resolution) - local(sides.right?, resolution))
+        });
+        let across = across.fold(Vector::zeros(), |sum, line| sum + line);
+        let normal = Vector::new(across.y, -across.x).try_normalize(0.0);
+        normal.filter(|normal| normal.dot(along) > ABREAST).unwrap_or(*along)
     }
 
     fn outward(&self, way: &Way, at: usize) -> Option<Vector> {

@@ -35,7 +35,7 @@ fn junction(
     near: &Point,
     parameters: &GatewayParameters,
 ) -> Option<NodeIndex> {
-    let place = |kind: NodeKind| matches!(kind, NodeKind::Junction | NodeKind::DeadEnd);
+    let place = |kind: NodeKind| matches!(kind, NodeKind::Junction | NodeKind::DeadEnd | NodeKind::Room);
     let nodes = graph.graph.node_indices().filter(|&n| place(graph.graph[n].kind));
     let near = nodes.map(|n| (gap(distance, graph.graph[n].cell, near), graph.graph[n].clearance, n));
     let near = near.filter(|&(gap, ..)| gap <= parameters.place_reach);
@@ -51,7 +51,7 @@ fn climb(graph: &SkeletonGraph, distance: &DistanceField, start: NodeIndex) -> N
         let better = graph.graph.node_indices().filter(|&n| {
             let node = &graph.graph[n];
             let inside = (info.center(node.cell) - here).norm() < radius;
-            node.kind == NodeKind::Junction && node.clearance > radius && inside
+            matches!(node.kind, NodeKind::Junction | NodeKind::Room) && node.clearance > radius && inside
         });
         match better.max_by(|&a, &b| graph.graph[a].clearance.total_cmp(&graph.graph[b].clearance)) {
             Some(next) => best = next,

@@ -27,6 +27,11 @@ impl Way {
         Way { cells, points, arc, clearance }
     }
 
+    /// The least clearance on the way, metres.
+    pub(super) fn narrowest(&self) -> f64 {
+        self.clearance.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
     /// The last index no further than `length` beyond index `from`.
     pub(super) fn ahead(&self, from: usize, length: f64) -> usize {
         let limit = self.arc[from] + length;

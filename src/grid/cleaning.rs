@@ -47,25 +47,36 @@ pub fn clean(grid: &OccupancyGrid, parameters: &CleaningParameters) -> Occupancy
     grid.with_cells(cells)
 }
 
-/// Frees unknown stretches of at most `most` cells between two free cells, along rows and then along columns.
+/// Frees unknown stretches of at most `most` cells between two free cells, along rows and then along columns. What
+/// touches an obstacle is part of a wall seen in places only.
 fn fill_gaps(info: &GridInfo, cells: &mut [Cell], most: usize) {
+    let wall = |cells: &[Cell], i: usize| {
+        info.neighbors(info.index(i), true).any(|at| cells[info.offset(at)] == Cell::Occupied)
+    };
     for y in 0..info.height {
         let mut last_free = None;
         for i in y * info.width..(y + 1) * info.width {
-            close_gap(cells, &mut last_free, i, 1, most);
+            close_gap(cells, &mut last_free, i, 1, most, wall);
         }
     }
     // All columns at once, row by row: a column at a time would jump through memory.
     let mut last_free = vec![None; info.width];
     for y in 0..info.height {
         for (x, last) in last_free.iter_mut().enumerate() {
-            close_gap(cells, last, y * info.width + x, info.width, most);
+            close_gap(cells, last, y * info.width + x, info.width, most, wall);
         }
     }
 }
 
 /// Goes one cell on along a line of cells `step` apart: at a free cell, frees the unknown ones since the last.
-fn close_gap(cells: &mut [Cell], last_free: &mut Option<usize>, i: usize, step: usize, most: usize) {
+fn close_gap(
+    cells: &mut [Cell],
+    last_free: &mut Option<usize>,
+    i: usize,
+    step: usize,
+    most: usize,
+    wall: impl Fn(&[Cell], usize) -> bool,
+) {
     match cells[i] {
         Cell::Unknown => {}
         Cell::Occupied => *last_free = None,
@@ -73,6 +84,7 @@ fn close_gap(cells: &mut [Cell], last_free: &mut Option<usize>, i: usize, step: 
             if let Some(last) = last_free.replace(i)
                 && last + step < i
                 && i <= last + (most + 1) * step
+                && !(last + step..i).step_by(step).any(|j| wall(cells, j))
             {
                 (last + step..i).step_by(step).for_each(|j| cells[j] = Cell::Free);
             }

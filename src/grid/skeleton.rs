@@ -6,6 +6,7 @@
 //! thinning keeps only what joins the exits.
 
 use crate::geometry::Point;
+use crate::grid::rooms::rooms;
 use crate::grid::thinning::thin;
 use crate::grid::{Cell, CellIndex, DistanceField, GridInfo, OccupancyGrid};
 use std::collections::VecDeque;
@@ -23,6 +24,10 @@ pub struct SkeletonParameters {
     pub scope: f64,
     /// Width of the robot: where it has driven there is a way, however narrow. Default 0.6.
     pub robot_width: f64,
+    /// For a robot that goes into rooms: a space that ends inside the window is a room, and a way into it a way out,
+    /// if it is at least so many times as wide as that way; [`SkeletonParameters::for_doors`] has 1.5. Default none:
+    /// the robot keeps to corridors, and what ends inside the window is no way.
+    pub room_ratio: Option<f64>,
 }
 
 /// What a skeleton is looked for around, points of the grid's frame.
@@ -45,7 +50,20 @@ impl Surroundings<'_> {
 
 impl Default for SkeletonParameters {
     fn default() -> Self {
-        SkeletonParameters { comfort_distance: 2.5, passage_width: 1.1, scope: 7.0, robot_width: 0.6 }
+        SkeletonParameters {
+            comfort_distance: 2.5,
+            passage_width: 1.1,
+            scope: 7.0,
+            robot_width: 0.6,
+            room_ratio: None,
+        }
+    }
+}
+
+impl SkeletonParameters {
+    /// For a robot that goes through office doors and into rooms.
+    pub fn for_doors() -> Self {
+        SkeletonParameters { passage_width: 0.8, room_ratio: Some(1.5), ..SkeletonParameters::default() }
     }
 }
 
@@ -56,6 +74,8 @@ pub struct Skeleton {
     pub cells: Vec<CellIndex>,
     /// Where ways leave the window, one cell each; part of `cells`.
     pub exits: Vec<CellIndex>,
+    /// The widest cells of rooms that end inside the window; part of `cells`.
+    pub rooms: Vec<CellIndex>,
     /// Where the only way ends, if there is only one; part of `cells`.
     pub dead_end: Option<CellIndex>,
 }
@@ -99,12 +119,16 @@ pub fn skeletonize(
     let gate = nearest_core_cell(grid, start, &core, parameters).ok_or(SkeletonError::NoFreeSpace)?;
     let members = component(info, gate, &core.inside);
     let exits = exits(&members, &window, &core);
-    let dead_end = match exits[..] {
-        [] => return Err(SkeletonError::NoWayOut),
-        [exit] => dead_end(exit, &core).filter(|&end| end != exit),
+    let on_rim = |i: usize| window.on_rim(info.index(i));
+    let rooms_at = |ratio| rooms(info, &members, core.squared, on_rim, ratio);
+    let rooms = parameters.room_ratio.map(rooms_at).unwrap_or_default();
+    let dead_end = match (&exits[..], &rooms[..]) {
+        ([], [] | [_]) => return Err(SkeletonError::NoWayOut),
+        (&[exit], []) => dead_end(exit, &core).filter(|&end| end != exit),
         _ => None,
     };
     let mut anchors = exits.clone();
+    anchors.extend(&rooms);
     anchors.extend(dead_end);
     let rank = |i: usize| distance.squared()[i] as u32;
     let cells = thin(info.width, info.height, &members, rank, &anchors);
@@ -112,6 +136,7 @@ pub fn skeletonize(
     Ok(Skeleton {
         cells: cells.iter().map(index).collect(),
         exits: exits.iter().map(index).collect(),
+        rooms: rooms.iter().map(index).collect(),
         dead_end: dead_end.map(|i| info.index(i)),
     })
 }

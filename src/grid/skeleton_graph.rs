@@ -13,6 +13,8 @@ pub enum NodeKind {
     DeadEnd,
     /// A way leaves the window.
     Exit,
+    /// The widest point of a room that ends inside the window.
+    Room,
     /// A point of interest on a way.
     Waypoint,
 }
@@ -72,12 +74,16 @@ impl SkeletonGraph {
         Some(node)
     }
 
-    /// The shortest way along the skeleton from a node to every exit that can be reached, as cells from the node
-    /// to the exit; ordered by the exits' node indices.
+    /// The shortest way along the skeleton from a node to every exit and room that can be reached, as cells from the
+    /// node to there; ordered by node indices.
     pub fn ways_out(&self, from: NodeIndex) -> Vec<Vec<CellIndex>> {
         let arrivals = self.arrivals(from);
-        let exits = self.graph.node_indices().filter(|&n| n != from && self.graph[n].kind == NodeKind::Exit);
+        let exits = self.graph.node_indices().filter(|&n| n != from && self.leads_on(n));
         exits.filter_map(|exit| self.way(from, exit, &arrivals)).collect()
+    }
+
+    fn leads_on(&self, node: NodeIndex) -> bool {
+        matches!(self.graph[node].kind, NodeKind::Exit | NodeKind::Room)
     }
 
     /// For every node, the edge by which the shortest way from `from` arrives (Dijkstra).
@@ -182,6 +188,7 @@ impl<'a> Builder<'a> {
 
     fn add_nodes(&mut self, skeleton: &Skeleton) {
         skeleton.exits.iter().for_each(|&cell| self.add_node(NodeKind::Exit, &[cell]));
+        skeleton.rooms.iter().for_each(|&cell| self.add_node(NodeKind::Room, &[cell]));
         skeleton.dead_end.iter().for_each(|&cell| self.add_node(NodeKind::DeadEnd, &[cell]));
         let crossing: Vec<bool> = self.cells.iter().map(|&cell| self.around(cell).count() > 2).collect();
         let crosses =

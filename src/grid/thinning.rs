@@ -36,7 +36,7 @@ pub(super) fn thin(
 }
 
 /// Sorts by rank and then by position; by counting where ranks are dense. Members come by ascending position.
-fn sort(order: &mut Vec<(u32, u32)>) {
+pub(super) fn sort(order: &mut Vec<(u32, u32)>) {
     let most = order.iter().map(|&(rank, _)| rank as usize).max().unwrap_or(0);
     if most > 4 * order.len() {
         order.sort_unstable();

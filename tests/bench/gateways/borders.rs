@@ -25,7 +25,7 @@ const ROOM: f64 = 0.35;
 const THICKNESS: isize = 4;
 
 pub(super) fn print() {
-    println!("\nborders of segmented maps, passage width {}", crate::doors::PASSAGE);
+    println!("\nborders of segmented maps");
     let parameters = with_doors(PerceptionParameters::default());
     let mut all: [Tally; 4] = Default::default();
     for (name, file) in MAPS {
@@ -37,9 +37,9 @@ pub(super) fn print() {
             for (width, openings) in [narrow, wide].iter().enumerate() {
                 let mut tally = Tally::default();
                 tally.look(&map, openings, &parameters);
-                all[2 * furnished + width].look(&map, openings, &parameters);
                 let word = ["doors", "wider"][width];
                 println!("  {name}{kind} {word}: {}", tally.line());
+                all[2 * furnished + width].add(tally);
             }
         }
     }

@@ -1,31 +1,34 @@
 //! The annotated doors of gdc3.
 
 use crate::maps;
-use crate::openings::{Opening, Tally};
+use crate::openings::{Opening, Tally, open_ones};
 use std::fs;
 use topostar::geometry::{Point, Pose, Vector};
-use topostar::grid::OccupancyGrid;
+use topostar::grid::{OccupancyGrid, SkeletonParameters};
 use topostar::star::PerceptionParameters;
 
 /// Where the origin of the map lies in the frame of its annotations.
 const ORIGIN: Vector = Vector::new(-60.45, -23.4);
 
-/// The narrowest way for a robot that goes through doors, metres.
-pub(super) const PASSAGE: f64 = 0.8;
-
 pub(super) fn print() {
     let (map, doors) = load();
-    println!("\ndoors of gdc3, passage width {PASSAGE}");
+    println!("\ndoors of gdc3");
     let mut tally = Tally::default();
     tally.look(&map, &doors, &with_doors(PerceptionParameters::default()));
     println!("  {}", tally.line());
-    tally.missed.iter().for_each(|missed| println!("    {missed}"));
+    let (open, closed) = open_ones(&map, doors);
+    let mut passable = Tally::default();
+    passable.look(&map, &open, &with_doors(PerceptionParameters::default()));
+    println!("  without the {closed} that the map shows shut: {}", passable.line());
+    passable.missed.iter().for_each(|missed| println!("    {missed}"));
 }
 
 /// The same parameters for a robot that goes through doors.
 pub(super) fn with_doors(mut parameters: PerceptionParameters) -> PerceptionParameters {
     let default = PerceptionParameters::default().skeleton.passage_width;
-    parameters.skeleton.passage_width *= PASSAGE / default;
+    let doors = SkeletonParameters::for_doors();
+    parameters.skeleton.passage_width *= doors.passage_width / default;
+    parameters.skeleton.room_ratio = doors.room_ratio;
     parameters
 }
 

@@ -1,13 +1,14 @@
 //! How well gateways and stars are read off buildings that others recorded: `../shared/data`, see its README.
 //!
-//! `cargo xtask gateways [doors] [borders] [stability] [defaults]` prints what is asked for, everything unless told:
+//! `cargo xtask gateways [visits] [doors] [borders] [stability] [defaults]` prints what is asked for, everything unless told:
 //!
+//! * `visits`: the places of the ACES log, a star a visit;
 //! * `doors`: the annotated doors of gdc3, from the pose from which a robot approaches each on either side;
 //! * `borders`: the borders between rooms of the segmented maps, plain and furnished, from either side;
 //! * `stability`: whether the star of a place survives another laying of the grid, noise, and another arrival;
 //! * `defaults`: every default 20 % down and up, and what that changes.
 //!
-//! With `GATEWAY_PICTURES=DIR` every window with a door or a border is drawn there.
+//! With `GATEWAY_PICTURES=DIR` every window with a visit, a door or a border is drawn there.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "an evaluation ends where something is wrong")]
 
@@ -18,6 +19,7 @@ mod doors;
 mod maps;
 mod openings;
 mod stability;
+mod visits;
 
 fn main() {
     let asked: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
@@ -25,7 +27,8 @@ fn main() {
         println!("skipped, as ../shared/data is not there: gateways {}", asked.join(" "));
         return;
     }
-    let parts: [(&str, fn()); 4] = [
+    let parts: [(&str, fn()); 5] = [
+        ("visits", visits::print),
         ("doors", doors::print),
         ("borders", borders::print),
         ("stability", stability::print),

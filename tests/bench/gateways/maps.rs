@@ -62,11 +62,10 @@ pub(super) fn window(
 }
 
 /// Draws what was read off a window into the folder that `GATEWAY_PICTURES` names, if it is set.
-pub(super) fn draw(place: &PlaceDescription, robot: &Pose) {
+pub(super) fn draw(place: &PlaceDescription, robot: &Pose, name: &str) {
     let Some(folder) = std::env::var_os("GATEWAY_PICTURES") else { return };
-    let file = format!("{:.2},{:.2},{:.2}.svg", robot.x, robot.y, robot.theta);
     fs::create_dir_all(&folder).unwrap();
-    fs::write(Path::new(&folder).join(file), extraction_svg(place, robot)).unwrap();
+    fs::write(Path::new(&folder).join(format!("{name}.svg")), extraction_svg(place, robot)).unwrap();
 }
 
 /// The window around a robot, along the axes of the map.

@@ -1,9 +1,10 @@
 //! Openings that are known to be there, and how many of them are found.
 
+use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_2, PI};
 use topostar::gateway::Gateway;
 use topostar::geometry::{Point, Pose, bearing, wrap_angle};
-use topostar::grid::OccupancyGrid;
+use topostar::grid::{CellIndex, DistanceField, OccupancyGrid};
 use topostar::star::{PerceptionParameters, describe};
 
 use crate::maps;
@@ -43,6 +44,31 @@ impl Opening {
     }
 }
 
+/// The openings that the map shows open, and how many it does not: a robot 0.7 m wide gets through from one pose to the
+/// other without leaving the surroundings of the opening.
+pub(super) fn open_ones(map: &OccupancyGrid, openings: Vec<Opening>) -> (Vec<Opening>, usize) {
+    let distance = DistanceField::new(map);
+    let count = openings.len();
+    let open: Vec<Opening> = openings.into_iter().filter(|opening| passable(&distance, opening)).collect();
+    let closed = count - open.len();
+    (open, closed)
+}
+
+fn passable(distance: &DistanceField, opening: &Opening) -> bool {
+    let info = distance.info();
+    let [Some(start), Some(goal)] = [0, 1].map(|k| info.cell_at(&opening.poses.get(k)?.position())) else {
+        return false;
+    };
+    let fits =
+        |at: CellIndex| distance.clearance(at) >= 0.35 && (info.center(at) - opening.middle()).norm() <= 2.0;
+    let mut seen = BTreeSet::from([start]);
+    let mut stack = vec![start];
+    while let Some(at) = stack.pop() {
+        stack.extend(info.neighbors(at, false).filter(|&next| fits(next) && seen.insert(next)));
+    }
+    seen.contains(&goal)
+}
+
 /// What came out for a number of openings.
 #[derive(Default)]
 pub(super) struct Tally {
@@ -78,6 +104,23 @@ impl Tally {
         }
     }
 
+    /// With all that came out elsewhere.
+    pub(super) fn add(&mut self, other: Tally) {
+        for (sum, one) in [
+            (&mut self.openings, other.openings),
+            (&mut self.found, other.found),
+            (&mut self.poses, other.poses),
+            (&mut self.hits, other.hits),
+            (&mut self.failed, other.failed),
+            (&mut self.doors, other.doors),
+            (&mut self.true_doors, other.true_doors),
+        ] {
+            *sum += one;
+        }
+        self.distances.extend(other.distances);
+        self.angles.extend(other.angles);
+    }
+
     fn look_from(
         &mut self,
         map: &OccupancyGrid,
@@ -92,7 +135,7 @@ impl Tally {
             self.missed.push(format!("no star at {:.2},{:.2},{:.2}", pose.x, pose.y, pose.theta));
             return;
         };
-        maps::draw(&place, pose);
+        maps::draw(&place, pose, &format!("{:.2},{:.2},{:.2}", pose.x, pose.y, pose.theta));
         match place
             .gateways
             .iter()

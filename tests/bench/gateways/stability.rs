@@ -26,7 +26,7 @@ const SAME_PLACE: f64 = 2.0;
 /// The robot must have this much room where it stands, metres.
 const ROOM: f64 = 0.5;
 /// How often each place is laid anew.
-const LAYINGS: usize = 4;
+const LAYINGS: usize = 2;
 
 /// A place of a map: where its middle was found and the star seen from there.
 pub(super) struct Place {
