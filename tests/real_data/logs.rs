@@ -88,12 +88,12 @@ fn odometry_in_between_agrees_with_the_poses_of_the_messages() {
     });
     let (raw, fault) = ScanReader::new(without_poses, LogOptions::default()).read_all();
     assert!(fault.is_none() && raw.len() == posed.len(), "{} {fault:?}", raw.len());
-    let (mut apart, mut turned) = (0.0, 0.0);
+    let (mut apart, mut turned, count) = (0.0, 0.0, posed.len() as f64);
     for (raw, posed) in raw.iter().zip(&posed) {
         assert_eq!((raw.stamp, &raw.ranges), (posed.stamp, &posed.ranges));
         let off = posed.odom_from_robot.inverse().compose(&raw.odom_from_robot);
-        apart += off.x.hypot(off.y) / posed.len() as f64;
-        turned += off.theta.abs() / posed.len() as f64;
+        apart += off.x.hypot(off.y) / count;
+        turned += off.theta.abs() / count;
     }
     println!("mean difference {apart} m, {turned} rad");
     assert!(apart < 0.04 && turned < 0.02, "{apart} {turned}");
