@@ -69,7 +69,8 @@ impl LogArgs {
 
 /// Whether an input is a log by its name: a CARMEN log, a bag, or the folder of one.
 pub(super) fn is_log(input: &Path) -> bool {
-    matches!(plain_extension(input).as_str(), "clf" | "log" | "mcap" | "db3" | "zstd") || input.is_dir()
+    let named = matches!(plain_extension(input).as_str(), "clf" | "log" | "mcap" | "db3");
+    named || input.to_string_lossy().ends_with(".mcap.zstd") || input.is_dir()
 }
 
 /// The scans of a log. Reading shows a bar on a terminal.

@@ -36,11 +36,16 @@ pub struct BagSurvey {
 }
 
 impl BagSurvey {
-    /// Reads the files of a bag, in the order of recording, once.
+    /// Reads the files of a bag, in the order of recording, once. Of a damaged bag what comes before the damage is
+    /// surveyed; reading it will come to the damage again.
     pub fn read<R: Read>(files: impl IntoIterator<Item = io::Result<R>>) -> Result<BagSurvey, LogError> {
         let mut survey = BagSurvey::default();
         for message in Messages::new(files.into_iter()) {
-            survey.take(&message?)?;
+            match message {
+                Ok(message) => survey.take(&message)?,
+                Err(damage) if survey.topics.is_empty() => return Err(damage),
+                Err(_) => break,
+            }
         }
         Ok(survey)
     }
@@ -63,9 +68,10 @@ impl BagSurvey {
             TRANSFORMS if name.ends_with("tf_static") => {
                 transforms(&message.data).map_err(bad)?.into_iter().for_each(|t| self.frames.add(t));
             }
+            // A malformed one is refused where it is read.
             ODOMETRY if number == 1 => {
-                let frame = OdometryMessage::decode(&message.data).map_err(bad)?.child_frame;
-                self.robot_frames.insert(name.clone(), frame);
+                let frame = OdometryMessage::decode(&message.data).map(|odometry| odometry.child_frame);
+                self.robot_frames.insert(name.clone(), frame.unwrap_or_default());
             }
             _ => {}
         }

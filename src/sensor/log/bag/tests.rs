@@ -23,7 +23,7 @@ impl Out {
     }
 
     fn put<const N: usize>(mut self, little: [u8; N]) -> Self {
-        while (self.bytes.len() - 4) % N != 0 {
+        while !(self.bytes.len() - 4).is_multiple_of(N) {
             self.bytes.push(0xee);
         }
         let mut bytes = little;
@@ -244,6 +244,29 @@ fn a_bag_that_breaks_off_keeps_what_came_before() {
         }
     }
     assert_eq!(most, all.len());
+}
+
+#[test]
+fn what_comes_before_a_damage_is_read() {
+    let mut sent = drive(false);
+    sent.rotate_right(1);
+    let whole = bag(None, "cdr", &sent);
+    let scans = |file: &[u8]| {
+        let open = || [Ok(file)].into_iter();
+        let survey = BagSurvey::read(open()).ok()?;
+        Some(bag_scans(open(), survey, LogOptions::default()).ok()?.read_all().0)
+    };
+    let mut most = 0;
+    for end in (0..whole.len()).step_by(89) {
+        let mut damaged = whole.clone();
+        damaged[end..].fill(0xff);
+        let Some(kept) = scans(&whole[..end]) else { continue };
+        let read = scans(&damaged).unwrap();
+        // The message in which the damage begins may be read, with wrong values.
+        assert!(read.len() >= kept.len() && read[..kept.len()] == kept, "{end}");
+        most = most.max(read.len());
+    }
+    assert!(most > 30);
 }
 
 /// The points that the beams reach, by the transforms in space.
