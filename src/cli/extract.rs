@@ -125,7 +125,7 @@ impl Extract {
     }
 
     fn trace_grids(&self) -> Result<Grids, Failure> {
-        let Events { events, fault } = read_events(&self.input, self.visits.as_deref(), &self.log)?;
+        let Events { events, fault, .. } = read_events(&self.input, self.visits.as_deref(), &self.log)?;
         let mut lpms = Vec::new();
         let mut way = None;
         for (_, event) in events {
