@@ -33,4 +33,5 @@ mod planarity;
 mod registry;
 mod search;
 mod topology;
+mod visits;
 mod word;

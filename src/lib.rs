@@ -40,6 +40,7 @@ pub mod sensor;
 pub mod lpm;
 pub mod gateway;
 pub mod star;
+pub mod visit;
 pub mod trace;
 #[path = "../worlds/mod.rs"]
 pub mod worlds;

@@ -13,7 +13,7 @@ pub struct Lpm {
     pub grid: OccupancyGrid,
     /// Pose of the robot on arrival, in the frame of the LPM.
     pub robot_pose: Pose,
-    /// The way the robot came, up to that pose, in the frame of the LPM; empty where it is not known.
+    /// Where the robot has driven around the place, in the frame of the LPM; empty where it is not known.
     pub trail: Vec<Point>,
 }
 
@@ -21,5 +21,12 @@ impl Lpm {
     /// An LPM without a trail.
     pub fn new(grid: OccupancyGrid, robot_pose: Pose) -> Self {
         Lpm { grid, robot_pose, trail: Vec::new() }
+    }
+
+    /// The same LPM, with the way on which the robot came to it before what else is known of its trail.
+    #[must_use]
+    pub fn reached_by(mut self, way: Option<Vec<Point>>) -> Self {
+        self.trail.splice(..0, way.unwrap_or_default());
+        self
     }
 }

@@ -13,6 +13,7 @@ mod walk;
 pub mod corridor_grid;
 pub mod drawing;
 pub mod drift;
+pub mod drive;
 pub mod loader;
 pub mod picture;
 pub mod rendering;
@@ -22,6 +23,7 @@ pub mod world;
 
 pub use corridor_grid::{corridor_grid, covering_walk};
 pub use drift::{Drift, Odometer};
+pub use drive::{Explorer, drive};
 pub use loader::{WorldError, load};
 pub use picture::picture;
 pub use rendering::{LpmTrace, lpm_trace};

@@ -125,7 +125,7 @@ impl Extract {
     }
 
     fn trace_grids(&self) -> Result<Grids, Failure> {
-        let Events { events, fault } = read_events(&self.input, self.visits.as_deref(), &self.log)?;
+        let Events { events, fault, .. } = read_events(&self.input, self.visits.as_deref(), &self.log)?;
         let mut lpms = Vec::new();
         let mut way = None;
         for (_, event) in events {
@@ -133,8 +133,8 @@ impl Extract {
                 EventKind::Travel(travel) => way = Some(travel),
                 EventKind::Observation(seen) => {
                     if let Percept::Lpm(lpm) = seen.percept {
-                        let trail = way.take().map(|way| way.trail(&lpm.robot_pose)).unwrap_or_default();
-                        lpms.push(Lpm { trail, ..lpm });
+                        let way = way.take().map(|way| way.trail(&lpm.robot_pose));
+                        lpms.push(lpm.reached_by(way));
                     }
                 }
                 EventKind::Turn(_) | EventKind::Assert(_) | EventKind::Retract { .. } => {}

@@ -1,9 +1,13 @@
 //! Input files: traces and recorded logs, plain or compressed, or standard input.
 
 use crate::cli::failure::Failure;
-use crate::cli::log::{LogArgs, is_log, read_log};
-use crate::trace::recording::{Arrival, RecordingParameters, cut};
+use crate::cli::log::{LogArgs, LogScans, is_log, read_log};
+use crate::sensor::LaserScan;
+use crate::sensor::log::LogError;
+use crate::trace::recording::{Arrival, Recorder};
 use crate::trace::{Event, read_lines};
+use crate::visit::truth::Timetable;
+use crate::visit::{AnnotatedVisits, ArrivalsError, Stage, VisitDetector, VisitParameters};
 use bzip2::read::MultiBzDecoder;
 use flate2::read::MultiGzDecoder;
 use std::fs::File;
@@ -11,22 +15,21 @@ use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
 /// The events of an input up to its first fault.
+#[derive(Default)]
 pub(super) struct Events {
     /// Each with the words that say where it came from.
     pub(super) events: Vec<(String, Event)>,
     /// What ended the reading before the end of the input.
     pub(super) fault: Option<Failure>,
+    /// When the visits of a log were; empty for a trace.
+    pub(super) timetable: Timetable,
 }
 
-/// The events of a trace, or of a log with the arrivals in it.
+/// The events of a trace, or of the visits in a log: those that are found, or those at the arrivals given.
 pub(super) fn read_events(input: &Path, visits: Option<&Path>, log: &LogArgs) -> Result<Events, Failure> {
     match (is_log(input), visits) {
-        (true, Some(visits)) => read_arrivals(input, visits, log),
-        (true, None) => Err(Failure::Input(format!(
-            "{}: is a log, and places are not yet found in it by themselves; name the arrivals by --visits FILE.csv \
-             with the columns place,raw_scan_index",
-            input.display()
-        ))),
+        (true, None) => found_visits(input, read_log(input, log)?),
+        (true, Some(visits)) => visits_at(input, read_log(input, log)?, visits),
         (false, Some(_)) => {
             Err(Failure::Input(format!("{}: --visits goes with a log, not with a trace", input.display())))
         }
@@ -36,7 +39,8 @@ pub(super) fn read_events(input: &Path, visits: Option<&Path>, log: &LogArgs) ->
         (false, None) => {
             let (events, error) = read_lines(open(input)?);
             let events = events.into_iter().map(|(line, event)| (format!("line {line}"), event)).collect();
-            Ok(Events { events, fault: error.map(|error| Failure::input(input, error)) })
+            let fault = error.map(|error| Failure::input(input, error));
+            Ok(Events { events, fault, ..Events::default() })
         }
     }
 }
@@ -48,25 +52,67 @@ pub(super) fn plain_extension(path: &Path) -> String {
     plain.extension().map(|ending| ending.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
+/// The events of a log up to its first fault.
+fn found_visits(input: &Path, mut log: LogScans) -> Result<Events, Failure> {
+    let bad = |error: &dyn std::fmt::Display| Failure::input(input, error);
+    let mut detector = VisitDetector::new(VisitParameters::default()).map_err(|error| bad(&error))?;
+    let mut stages = Vec::new();
+    let fault = feed(&mut log, |scan| stages.extend(detector.add(scan)));
+    stages.extend(detector.finish());
+    Events::of(input, &log, stages, fault)
+}
+
 /// The events of a log up to its first fault; arrivals after that are left out.
-fn read_arrivals(input: &Path, visits: &Path, log: &LogArgs) -> Result<Events, Failure> {
-    let mut log = read_log(input, log)?;
-    let (scans, fault) = log.read_all();
-    let fault = fault.map(|fault| Failure::input(input, fault));
-    if scans.is_empty() {
-        return fault.map_or_else(|| Ok(Events { events: Vec::new(), fault: None }), Err);
-    }
-    eprintln!("{}: {}", input.display(), log.report());
+fn visits_at(input: &Path, mut log: LogScans, visits: &Path) -> Result<Events, Failure> {
     let bad = |error: &dyn std::fmt::Display| Failure::input(visits, error);
-    let text = io::read_to_string(open(visits)?).map_err(|error| bad(&error))?;
-    let mut arrivals = Arrival::read_csv(&text).map_err(|error| bad(&error))?;
-    if fault.is_some() {
-        arrivals.retain(|arrival| arrival.scan < scans.len());
+    let arrivals = read_arrivals(visits)?.into_iter().map(|arrival| arrival.scan).collect();
+    let mut marked =
+        AnnotatedVisits::new(arrivals, &VisitParameters::default()).map_err(|error| bad(&error))?;
+    let mut stages = Vec::new();
+    let fault = feed(&mut log, |scan| stages.extend(marked.add(scan)));
+    match marked.finish() {
+        Ok(last) => stages.extend(last),
+        // The log ended too early to hold them all.
+        Err(ArrivalsError::Beyond { .. }) if fault.is_some() => {}
+        Err(error) => return Err(bad(&error)),
     }
-    let events =
-        cut(&scans, &arrivals, &RecordingParameters::default()).map_err(|error| bad(&error))?.into_iter();
-    let events = events.map(|event| (format!("event {} of the arrivals", event.seq), event)).collect();
-    Ok(Events { events, fault })
+    Events::of(input, &log, stages, fault)
+}
+
+/// Marked arrivals, from CSV.
+pub(super) fn read_arrivals(file: &Path) -> Result<Vec<Arrival>, Failure> {
+    let bad = |error: &dyn std::fmt::Display| Failure::input(file, error);
+    let text = io::read_to_string(open(file)?).map_err(|error| bad(&error))?;
+    Arrival::read_csv(&text).map_err(|error| bad(&error))
+}
+
+/// Gives away the scans of a log one by one, up to its first fault.
+fn feed(log: &mut LogScans, mut take: impl FnMut(&LaserScan)) -> Option<LogError> {
+    log.find_map(|scan| scan.map(|scan| take(&scan)).err())
+}
+
+impl Events {
+    fn of(
+        input: &Path,
+        log: &LogScans,
+        stages: Vec<Stage>,
+        fault: Option<LogError>,
+    ) -> Result<Events, Failure> {
+        let fault = fault.map(|fault| Failure::input(input, fault));
+        let report = log.report();
+        if report.scans() == 0 {
+            return fault.map_or_else(|| Ok(Events::default()), Err);
+        }
+        eprintln!("{}: {report}", input.display());
+        let mut events = Events { fault, ..Events::default() };
+        let mut recorder = Recorder::default();
+        for stage in stages {
+            events.timetable.add(&stage);
+            let recorded = recorder.add(stage).into_iter();
+            events.events.extend(recorded.map(|event| (format!("event {} of the log", event.seq), event)));
+        }
+        Ok(events)
+    }
 }
 
 /// A file, decompressed by its ending; `-` is standard input.

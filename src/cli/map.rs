@@ -5,12 +5,14 @@ use crate::cli::asked::{Asked, Said};
 use crate::cli::axiom_choice::AxiomChoice;
 use crate::cli::classic::{self, is_of_views};
 use crate::cli::failure::Failure;
-use crate::cli::input::{Events, read_events};
-use crate::cli::log::LogArgs;
-use crate::cli::words::{certainty, in_words, reasons_in_words};
-use crate::export::{self, Explanation, MapGraph, map_svg, map_text};
+use crate::cli::input::{Events, read_arrivals, read_events};
+use crate::cli::log::{LogArgs, is_log};
+use crate::cli::words::{certainty, in_words, reasons_in_words, truth_in_words};
+use crate::export::{self, Explanation, MapGraph, Mark, Truth, map_svg, map_text};
 use crate::service::{Limits, MapConfig, Session, SessionError};
+use crate::trace::recording::Arrival;
 use crate::trace::{Event, EventKind, write_event};
+use crate::visit::truth::Timetable;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::fs;
@@ -25,20 +27,23 @@ use std::time::{Duration, Instant};
 Examples:
   topostar map trace.ndjson                         the preferred map in words
   topostar map trace.ndjson --profile paper --json  the report for machines
-  topostar map run.clf.bz2 --visits arrivals.csv -o out/
-                                                    LPMs cut from a log at known arrivals; writes the trace and
-                                                    pictures
+  topostar map run.clf.bz2 -o out/                  the places in a log and their map; writes the trace and pictures
+  topostar map run.clf.bz2 --truth arrivals.csv     and what was found, missed, invented, merged or split
+  topostar map run.clf.bz2 --visits arrivals.csv    the map of a log at known arrivals
   topostar map trace.ndjson --explain               and why: closures, refuted rivals, where to look next
   topostar map trace.ndjson --explain=0,8           why observations 0 and 8 are one place, or are not
   topostar map trace.ndjson --assert 0=8 --assert 3!=5
                                                     the map if these are, and these are not, one place")]
 pub(super) struct Map {
-    /// A trace (.ndjson), a log with --visits (CARMEN's .clf or .log, also .gz and .bz2; a ROS 2 bag, .mcap or its
+    /// A trace (.ndjson), a log (CARMEN's .clf or .log, also .gz and .bz2; a ROS 2 bag, .mcap or its
     /// folder), or - for standard input.
     pub(super) input: PathBuf,
-    /// The arrivals in a log: CSV with the columns place,raw_scan_index.
+    /// The arrivals in a log, in place of those that are found: CSV with the columns place,raw_scan_index.
     #[arg(long, value_name = "CSV")]
     visits: Option<PathBuf>,
+    /// Compare the map of a log with the true arrivals: CSV as for --visits.
+    #[arg(long, value_name = "CSV")]
+    truth: Option<PathBuf>,
     #[command(flatten)]
     held: AxiomChoice,
     #[command(flatten)]
@@ -89,23 +94,25 @@ pub(super) enum StrategyName {
 impl Map {
     pub(super) fn run(self) -> Result<(), Failure> {
         let started = Instant::now();
-        let input = read_events(&self.input, self.visits.as_deref(), &self.log)?;
+        let mut input = read_events(&self.input, self.visits.as_deref(), &self.log)?;
         // Where there is nothing to tell by, the options do.
         let asked = input.events.is_empty() && self.held.is_classic();
         let (axioms, strategy) = match self.theory(asked || is_of_views(&input.events))? {
             Theory::Views => return classic::run(&self, input),
             Theory::Stars(axioms, strategy) => (axioms, strategy),
         };
+        let timetable = std::mem::take(&mut input.timetable);
         let Explained { events, session, fault } = self.search(input, axioms, strategy)?;
         let report = session.abduction().report();
         let mut wire = export::Report::new(&report);
         wire.explain = self.reasons(session.abduction())?.map(Box::new);
+        wire.truth = self.compared(&timetable, &session, wire.preferred.as_ref())?.map(Box::new);
         wire.seconds = Some(started.elapsed().as_secs_f64());
         if self.json {
             writeln!(stdout(), "{}", json(&wire)?)?;
         } else {
             write!(stdout(), "{}", in_words(&report, &wire))?;
-            write!(stdout(), "{}", reasons_in_words(&wire))?;
+            write!(stdout(), "{}{}", reasons_in_words(&wire), truth_in_words(&wire))?;
         }
         if let Some(folder) = &self.output {
             write_files(folder, &events, &report, &wire)?;
@@ -141,6 +148,24 @@ impl Map {
             }
         };
         Ok(Theory::Stars(axioms, strategy))
+    }
+
+    /// What was found beside the true arrivals, if they are given.
+    fn compared(
+        &self,
+        timetable: &Timetable,
+        session: &Session,
+        preferred: Option<&export::Preferred>,
+    ) -> Result<Option<Truth>, Failure> {
+        let Some(file) = &self.truth else { return Ok(None) };
+        if !is_log(&self.input) {
+            return Err(self.misfit("is no log, and --truth is the arrivals in a log"));
+        }
+        let marks: Vec<Mark> =
+            read_arrivals(file)?.into_iter().map(|Arrival { place, scan }| Mark { place, scan }).collect();
+        let at = timetable.visits_at(&marks.iter().map(|mark| mark.scan).collect::<Vec<_>>());
+        let places = preferred.map(|preferred| preferred.visits.as_slice());
+        Ok(Some(Truth::of(marks, &at, session.abduction().visits(), places)))
     }
 
     fn misfit(&self, what: &str) -> Failure {

@@ -55,6 +55,43 @@ pub(super) fn reasons_in_words(wire: &export::Report) -> String {
     format!("\n{reasons}")
 }
 
+/// What was found beside the truth in words, if that was asked for.
+pub(super) fn truth_in_words(wire: &export::Report) -> String {
+    let Some(truth) = &wire.truth else { return String::new() };
+    let pairs = |pairs: &[[usize; 2]]| pairs.iter().map(|[a, b]| format!(" {a}+{b}")).collect::<String>();
+    let missed: String =
+        truth.missed.iter().map(|mark| format!(" {} at scan {}", mark.place, mark.scan)).collect();
+    let stars: String = truth
+        .stars
+        .iter()
+        .map(|star| {
+            format!(
+                " {} {}x {}",
+                star.place,
+                star.visits.len(),
+                if star.equal { "equal" } else { "NOT equal" }
+            )
+        })
+        .collect();
+    let map = match truth.map_is_true {
+        Some(true) => "the preferred map is the true one",
+        Some(false) => "the preferred map is not the true one",
+        None => "there is no map",
+    };
+    let list =
+        |name: &str, items: String| if items.is_empty() { String::new() } else { format!("{name}{items}\n") };
+    format!(
+        "\nbeside the truth: {} of {} arrivals found, {} invented; {map}\n",
+        truth.found,
+        truth.marks,
+        truth.invented.len()
+    ) + &list("missed", missed)
+        + &list("invented visits ", numbers(&truth.invented))
+        + &list("stars of places seen again ", stars)
+        + &list("wrongly one place, visits", pairs(&truth.merged))
+        + &list("wrongly two places, visits", pairs(&truth.split))
+}
+
 /// The preferred map in two lines: how sure it is and how big, and the place of each visit.
 pub(super) fn headline(candidates: &export::Count, preferred: &export::Preferred, ties: usize) -> String {
     let export::Preferred { places, paths, segments, dstates, visits, .. } = preferred;

@@ -19,6 +19,7 @@ mod extraction_svg;
 mod layout;
 mod map_svg;
 mod map_text;
+mod truth;
 mod view_report;
 mod view_text;
 
@@ -35,6 +36,7 @@ pub use graph::{
 pub use layout::Layout;
 pub use map_svg::map_svg;
 pub use map_text::{map_text, place_type};
+pub use truth::{Mark, Repeated, Truth};
 pub use outlook::{Outlook, PredictedSlot, Prediction, Prospect};
 pub use refutation::{Alternative, EndedBranch, Refutation};
 pub use report::{

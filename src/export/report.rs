@@ -1,7 +1,7 @@
 //! The report of an abduction: the one stable object of `map --json`.
 
 use crate::abduction::{self, AxiomSet, Candidate, OPERATOR, Profile};
-use crate::export::Explanation;
+use crate::export::{Explanation, Truth};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use utoipa::ToSchema;
@@ -50,6 +50,9 @@ pub struct Report {
     /// Why the preferred map is as it is; the command line fills it in where `--explain` asks for it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub explain: Option<Box<Explanation>>,
+    /// How the map of a log compares with marked arrivals; the command line fills it in where `--truth` asks for it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub truth: Option<Box<Truth>>,
     /// Wall time of the search; the command line fills it in.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,
@@ -210,6 +213,7 @@ impl Report {
             extinction: found.extinction.as_ref().map(Extinction::of),
             asserts: found.word.assertions().iter().map(Assertion::of).collect(),
             explain: None,
+            truth: None,
             seconds: None,
         }
     }

@@ -3,6 +3,10 @@
 pub mod log;
 pub mod ray_cast;
 pub mod scan;
+pub mod scan_matching;
+pub mod surface;
+mod walls;
 
 pub use ray_cast::EvidenceGrid;
 pub use scan::LaserScan;
+pub use scan_matching::{LocalPose, MatchingParameters, ScanMatcher};

@@ -1,6 +1,6 @@
 //! Scans to a grid: ray casting in log odds.
 
-use crate::geometry::{Point, Pose};
+use crate::geometry::{Point, Pose, Vector};
 use crate::grid::{Cell, CellIndex, GridInfo, OccupancyGrid};
 use crate::sensor::LaserScan;
 
@@ -55,14 +55,61 @@ impl EvidenceGrid {
         }
     }
 
+    /// Moves the grid by whole cells so that a point is in its middle cell; what comes in is not known, what goes out is
+    /// forgotten.
+    pub fn center_on(&mut self, point: &Point) {
+        let GridInfo { resolution, width, height, origin } = self.info;
+        let at = origin.inverse().transform_point(point);
+        let cells = |length: f64, side: usize| (length / resolution).floor() as isize - side as isize / 2;
+        let (dx, dy) = (cells(at.x, width), cells(at.y, height));
+        if (dx, dy) == (0, 0) {
+            return;
+        }
+        let from = |x: usize, y: usize| {
+            let (x, y) = (x.checked_add_signed(dx)?, y.checked_add_signed(dy)?);
+            (x < width && y < height).then(|| y * width + x)
+        };
+        let cells = || (0..height).flat_map(|y| (0..width).map(move |x| from(x, y)));
+        self.odds = cells().map(|at| at.map_or(0.0, |at| self.odds[at])).collect();
+        self.last_hit = cells().map(|at| at.map_or(0, |at| self.last_hit[at])).collect();
+        let corner = Point::new(dx as f64 * resolution, dy as f64 * resolution);
+        let corner = origin.transform_point(&corner);
+        self.info.origin = Pose { x: corner.x, y: corner.y, ..origin };
+    }
+
+    /// The middle of the grid, in its frame.
+    pub fn middle(&self) -> Point {
+        let half = |cells: usize| (cells / 2) as f64 * self.info.resolution;
+        self.info.origin.transform_point(&Point::new(half(self.info.width), half(self.info.height)))
+    }
+
+    /// What is decided in the square of so many metres around a point, in a frame with its origin there; cells are
+    /// kept as they are, and those outside the grid are unknown.
+    pub fn around(&self, middle: &Point, side: f64) -> Result<OccupancyGrid, crate::grid::GridError> {
+        let GridInfo { resolution, width, height, origin } = self.info;
+        let corner = origin.inverse().transform_point(middle) - Vector::new(side, side) / 2.0;
+        let first = [corner.x, corner.y].map(|v| (v / resolution).round() as isize);
+        let cells = (side / resolution).round() as usize;
+        let corner = Point::new(first[0] as f64 * resolution, first[1] as f64 * resolution);
+        let corner = origin.transform_point(&corner) - middle.coords;
+        let info = GridInfo {
+            resolution,
+            width: cells,
+            height: cells,
+            origin: Pose { x: corner.x, y: corner.y, ..origin },
+        };
+        OccupancyGrid::check(&info)?;
+        let cell = |x: usize, y: usize| {
+            let (x, y) = (x.checked_add_signed(first[0])?, y.checked_add_signed(first[1])?);
+            (x < width && y < height).then(|| decided(self.odds[y * width + x]))
+        };
+        let cells = (0..cells).flat_map(|y| (0..cells).map(move |x| cell(x, y).unwrap_or(Cell::Unknown)));
+        OccupancyGrid::new(info, cells.collect())
+    }
+
     /// What is decided by now.
     pub fn occupancy(&self) -> Vec<Cell> {
-        let decide = |&odds: &f32| match odds {
-            o if o > DECIDED => Cell::Occupied,
-            o if o < -DECIDED => Cell::Free,
-            _ => Cell::Unknown,
-        };
-        self.odds.iter().map(decide).collect()
+        self.odds.iter().map(|&odds| decided(odds)).collect()
     }
 
     /// The decided cells as a grid.
@@ -77,6 +124,14 @@ impl EvidenceGrid {
 
     fn offset(&self, cell: CellIndex) -> usize {
         cell.y * self.info.width + cell.x
+    }
+}
+
+fn decided(odds: f32) -> Cell {
+    match odds {
+        o if o > DECIDED => Cell::Occupied,
+        o if o < -DECIDED => Cell::Free,
+        _ => Cell::Unknown,
     }
 }
 

@@ -23,12 +23,16 @@ pub struct LaserScan {
 }
 
 impl LaserScan {
+    /// The beams in their order: range and end point in the robot's frame, or nothing where it did not return.
+    pub fn beams(&self) -> impl Iterator<Item = Option<(f64, Point)>> {
+        self.ranges.iter().enumerate().map(|(k, range)| {
+            let angle = self.start_angle + self.angle_increment * k as f64;
+            range.map(|r| (r, self.robot_from_laser.transform_point(&Point::from(direction(angle) * r))))
+        })
+    }
+
     /// The end points of the beams that returned, in the robot's frame.
     pub fn hits(&self) -> impl Iterator<Item = Point> {
-        let beam = |(k, range): (usize, &Option<f64>)| {
-            let angle = self.start_angle + self.angle_increment * k as f64;
-            range.map(|r| self.robot_from_laser.transform_point(&Point::from(direction(angle) * r)))
-        };
-        self.ranges.iter().enumerate().filter_map(beam)
+        self.beams().flatten().map(|(_, point)| point)
     }
 }

@@ -236,8 +236,7 @@ fn observe(
             (described, robot_pose.unwrap_or(Pose::IDENTITY))
         }
         (Percept::Lpm(lpm), Some(describe)) => {
-            let trail = travel.map(|travel| travel.trail(&lpm.robot_pose)).unwrap_or_default();
-            let lpm = Lpm { trail, ..lpm.clone() };
+            let lpm = lpm.clone().reached_by(travel.map(|travel| travel.trail(&lpm.robot_pose)));
             (describe(&lpm, travel.is_none())?, lpm.robot_pose)
         }
         (Percept::Lpm(lpm), None) => {

@@ -4,8 +4,7 @@
 //! turns and one travel, which ends at the next observation; an operator's word may stand between any two events;
 //! a trace may stop anywhere. A trace of [`views`] has an observation after every turn and travel. [`event`] holds the
 //! values, [`wire`] their JSON form with [`wire_star`] and [`wire_grid`], [`ndjson`] reads and writes lines, and
-//! [`recording`] cuts a log into a trace, with
-//! [`odometry`] to say how uncertain it is. [`experience`] checks the grammar and turns grids into stars
+//! [`recording`] makes a trace of visits found in a log. [`experience`] checks the grammar and turns grids into stars
 //! ([`perceive`]), so that what leaves this module is what the logic needs.
 
 pub mod event;
@@ -20,7 +19,6 @@ pub mod views;
 pub mod experience;
 pub mod perceive;
 pub mod ndjson;
-pub mod odometry;
 pub mod recording;
 
 pub use event::{

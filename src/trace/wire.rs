@@ -338,7 +338,7 @@ impl WireEvent {
             }
             Percept::View(view) => self.view = Some(view.clone()),
             Percept::Lpm(lpm) => {
-                self.lpm = Some(WireLpm::from_grid(&lpm.grid));
+                self.lpm = Some(WireLpm::from_lpm(lpm));
                 self.robot_pose = Some(WirePose::from_pose(&lpm.robot_pose));
             }
         }

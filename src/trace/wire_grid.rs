@@ -1,6 +1,6 @@
 //! The JSON form of a grid: ROS `info` and cells as a list, as base64 bytes or as a base64 PNG.
 
-use crate::geometry::Pose;
+use crate::geometry::{Point, Pose};
 use crate::grid::{Cell, GridInfo, OccupancyGrid};
 use crate::lpm::Lpm;
 use crate::trace::event_error::EventError;
@@ -31,6 +31,10 @@ pub struct WireLpm {
     /// An image's first row is the top row.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub png_b64: Option<String>,
+    /// Where the robot has driven around the place, before and after the arrival, points in the frame of the grid,
+    /// metres: there is a way, however narrow.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub trail: Vec<[f64; 2]>,
 }
 
 /// `nav_msgs/MapMetaData` without its load time.
@@ -109,7 +113,8 @@ pub struct WireQuaternion {
 impl WireLpm {
     /// The grid with the robot's pose in it.
     pub fn lpm(self, robot_pose: Pose) -> Result<Lpm, EventError> {
-        Ok(Lpm::new(self.grid("/lpm")?, robot_pose))
+        let trail = self.trail.iter().map(|&[x, y]| Point::new(x, y)).collect();
+        Ok(Lpm { grid: self.grid("/lpm")?, robot_pose, trail })
     }
 
     /// The grid; errors point below `at`.
@@ -141,8 +146,8 @@ impl WireLpm {
         }
     }
 
-    /// The JSON form of a grid, cells as base64 bytes.
-    pub fn from_grid(grid: &OccupancyGrid) -> WireLpm {
+    /// The JSON form of an LPM without its robot pose, cells as base64 bytes.
+    pub fn from_lpm(Lpm { grid, trail, .. }: &Lpm) -> WireLpm {
         let bytes: Vec<u8> = grid.to_occupancy().iter().map(|&v| v as u8).collect();
         let info = grid.info();
         WireLpm {
@@ -156,6 +161,7 @@ impl WireLpm {
             data: None,
             data_b64: Some(STANDARD.encode(bytes)),
             png_b64: None,
+            trail: trail.iter().map(|point| [point.x, point.y]).collect(),
         }
     }
 }

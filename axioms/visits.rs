@@ -1,0 +1,125 @@
+//! Visits found on simulated drives: every place the robot comes to, once each time, and nothing else.
+
+use proptest::prelude::*;
+use topostar::geometry::{Point, Pose};
+use topostar::sensor::{LaserScan, MatchingParameters, ScanMatcher};
+use topostar::visit::{Stage, VisitDetector, VisitParameters};
+use topostar::worlds::drawing::Drawing;
+use topostar::worlds::{Explorer, drive};
+
+/// Corridors of 2 m between crossings 14 m apart, on the lines of a grid.
+const SPACING: f64 = 14.0;
+
+fn crossing(column: usize, row: usize) -> Point {
+    Point::new(column as f64 * SPACING, row as f64 * SPACING)
+}
+
+fn corridors(columns: usize, rows: usize) -> Drawing {
+    let at = |(column, row): (usize, usize)| (column as f64 * SPACING, row as f64 * SPACING);
+    let across = (0..rows).map(|row| (at((0, row)), at((columns - 1, row))));
+    let along = (0..columns).map(|column| (at((column, 0)), at((column, rows - 1))));
+    // The ends of corridors are square, so that corners are filled by making them longer by their half width.
+    let longer = |(from, to): ((f64, f64), (f64, f64))| {
+        let (dx, dy) = ((to.0 - from.0).signum(), (to.1 - from.1).signum());
+        let (dx, dy) = if from.0 == to.0 { (0.0, dy) } else { (dx, 0.0) };
+        ((from.0 - dx, from.1 - dy), (to.0 + dx, to.1 + dy))
+    };
+    across.chain(along).map(longer).fold(Drawing::new(), |plan, (from, to)| plan.corridor(from, to, 2.0))
+}
+
+/// A walk between neighbouring crossings that does not turn back.
+fn walk(columns: usize, rows: usize, choices: &[u8]) -> Vec<Point> {
+    let mut way: Vec<(usize, usize)> = vec![(0, 0), (1, 0)];
+    for &choice in choices {
+        let (here, before) = (way[way.len() - 1], way[way.len() - 2]);
+        let next: Vec<(usize, usize)> = [(1, 0), (0, 1), (-1, 0), (0, -1)]
+            .into_iter()
+            .filter_map(|(dx, dy)| Some((here.0.checked_add_signed(dx)?, here.1.checked_add_signed(dy)?)))
+            .filter(|&(column, row)| column < columns && row < rows && (column, row) != before)
+            .collect();
+        way.push(next[choice as usize % next.len()]);
+    }
+    way.into_iter().map(|(column, row)| crossing(column, row)).collect()
+}
+
+fn detect(scans: &[LaserScan]) -> Vec<Stage> {
+    let parameters = VisitParameters { resolution: 0.1, spacing: 1.0, ..VisitParameters::default() };
+    let mut detector = VisitDetector::new(parameters).unwrap();
+    let mut stages: Vec<Stage> = scans.iter().flat_map(|scan| detector.add(scan)).collect();
+    stages.extend(detector.finish());
+    stages
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(6))]
+
+    #[test]
+    fn every_crossing_on_the_way_is_visited_once(
+        choices in prop::collection::vec(any::<u8>(), 3..6),
+        seed in any::<u64>(),
+        heading_drift in -0.003..0.003,
+        length_drift in -0.02..0.02,
+    ) {
+        let route = walk(3, 3, &choices);
+        let explorer = Explorer { range_noise: 0.02, heading_drift, length_drift, seed };
+        let (scans, stops) = drive(&corridors(3, 3), &route, &explorer).unwrap();
+        let stages = detect(&scans);
+        let stays: Vec<[usize; 2]> =
+            stages.iter().map(|Stage { visit, .. }| [visit.arrival.scan, visit.departure.scan]).collect();
+        prop_assert_eq!(stays.len(), stops.len(), "{:?} {:?}", stays, stops);
+        for (stay, stop) in stays.iter().zip(&stops) {
+            prop_assert!(stay[0] <= *stop && *stop <= stay[1], "{:?} {:?}", stays, stops);
+        }
+        // The ways follow on one another: each begins at the arrival before and ends at its own.
+        for (k, Stage { way, visit }) in stages.iter().enumerate() {
+            prop_assert_eq!(way.last().map(|moment| moment.scan), Some(visit.arrival.scan));
+            let before = k.checked_sub(1).map_or(0, |k| stages[k].visit.arrival.scan);
+            prop_assert_eq!(way.first().map(|moment| moment.scan), Some(before));
+        }
+    }
+
+    #[test]
+    fn matched_scans_drift_less_than_odometry(
+        seed in any::<u64>(),
+        heading_drift in prop_oneof![-0.01..-0.004, 0.004..0.01],
+    ) {
+        let route = [crossing(0, 0), crossing(2, 0), crossing(2, 2)];
+        let explorer = Explorer { range_noise: 0.02, heading_drift, length_drift: 0.0, seed };
+        let (scans, _) = drive(&corridors(3, 3), &route, &explorer).unwrap();
+        let mut matcher = ScanMatcher::new(MatchingParameters::default());
+        let matched: Vec<Pose> = scans.iter().map(|scan| matcher.add(scan).local_from_robot).collect();
+        let truth = crossing(2, 2);
+        let off = |pose: &Pose| (pose.position() - truth).norm();
+        let (matched, odometry) = (off(matched.last().unwrap()), off(&scans.last().unwrap().odom_from_robot));
+        prop_assert!(odometry > 3.0 && matched < 0.6, "{matched} {odometry}");
+    }
+}
+
+#[test]
+fn a_corridor_alone_is_no_place_and_its_end_is_one() {
+    let plan = Drawing::new().corridor((0.0, 0.0), (40.0, 0.0), 2.0);
+    let explorer = Explorer { range_noise: 0.01, heading_drift: 0.0, length_drift: 0.0, seed: 1 };
+    let at = |x: f64| Point::new(x, 0.0);
+    let (scans, _) = drive(&plan, &[at(12.0), at(28.0)], &explorer).unwrap();
+    assert_eq!(detect(&scans), []);
+    let (scans, stops) = drive(&plan, &[at(12.0), at(38.8), at(12.0)], &explorer).unwrap();
+    let stages = detect(&scans);
+    assert_eq!(stages.len(), 1);
+    let visit = &stages[0].visit;
+    assert!(visit.arrival.scan < stops[1] && stops[1] < visit.departure.scan);
+}
+
+#[test]
+fn no_scan_or_one_is_no_trouble() {
+    assert_eq!(detect(&[]), []);
+    let (scans, _) = drive(
+        &corridors(2, 2),
+        &[crossing(0, 0), crossing(1, 0)],
+        &Explorer { range_noise: 0.0, heading_drift: 0.0, length_drift: 0.0, seed: 0 },
+    )
+    .unwrap();
+    assert!(detect(&scans[..1]).len() <= 1);
+    let blind: Vec<LaserScan> =
+        scans.into_iter().map(|scan| LaserScan { ranges: vec![None; 180], ..scan }).collect();
+    assert_eq!(detect(&blind), []);
+}

@@ -1,0 +1,242 @@
+//! The robot's pose among the walls around it: odometry corrected by what the scans show, never globally.
+//!
+//! Odometry is good over a step and poor over a corridor. Walls that are seen again tell where the robot is, but not
+//! along a corridor without doors. Both are weighed, scan by scan: points are laid onto lines (Censi 2008, "An ICP
+//! variant using a point-to-line metric"), with odometry as a prior and what is uncertain about it carried on as in a
+//! Kalman filter. Walls are forgotten as they get far, so that no loop is closed: whether a place is a place
+//! seen before is for the map to decide.
+
+use crate::geometry::{Pose, wrap_angle};
+use crate::sensor::LaserScan;
+use crate::sensor::surface::{Surface, surfaces};
+use crate::sensor::walls::Walls;
+use nalgebra::{Matrix3, Vector3};
+
+/// What is known of robot and sensor. One set of defaults serves all logs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MatchingParameters {
+    /// Walls are remembered in a square window of this side around the robot, metres. Default 30.
+    pub window: f64,
+    /// Beams up to this range are used, metres: further out they lie far apart. Default 12.
+    pub max_range: f64,
+    /// How far a wall may be from where it is expected, metres. Default 0.5.
+    pub reach: f64,
+    /// Noise of a range, metres. Default 0.03.
+    pub range_noise: f64,
+    /// How uncertain the length of a metre of odometry is, metres; grows with the root. Default 0.05: wheels slip.
+    pub slip: f64,
+    /// How uncertain the heading is after a metre or a radian of odometry, radians; grows with the root.
+    /// Default 0.02.
+    pub heading_slip: f64,
+    /// A scan is used when the robot has moved by this many metres since the last one used,
+    pub step: f64,
+    /// or turned by this many radians.
+    pub turn: f64,
+}
+
+impl Default for MatchingParameters {
+    fn default() -> Self {
+        MatchingParameters {
+            window: 30.0,
+            max_range: 12.0,
+            reach: 0.5,
+            range_noise: 0.03,
+            slip: 0.05,
+            heading_slip: 0.02,
+            step: 0.05,
+            turn: 2.0_f64.to_radians(),
+        }
+    }
+}
+
+/// Walls are remembered once in every square of this side, metres.
+const ELEMENT: f64 = 0.1;
+/// The robot remembers what it sees anew after so many metres or radians.
+const REMEMBER: f64 = 0.3;
+const REMEMBER_TURN: f64 = 0.17;
+/// Rounds of matching at most, and those at which walls further away are still taken.
+const ROUNDS: usize = 15;
+const COARSE: usize = 4;
+/// The least that odometry is ever wrong by, metres and radians: its last digits.
+const LEAST: [f64; 3] = [1e-3, 1e-3, 3e-4];
+/// Metres of driving over which the same walls are seen: over that length an error of a match is one and the same.
+const MEMORY: f64 = 10.0;
+/// Beams side by side err together; so many of them tell as much as one alone.
+const BEAMS_ALIKE: f64 = 5.0;
+
+/// What matching errs by on every metre however well it fits, metres and radians after one metre; grows with the root:
+/// ranges that are long or short by a cell's breadth bend straight corridors.
+const BENT: [f64; 3] = [0.01, 0.01, 0.006];
+
+/// A pose among the walls nearby.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LocalPose {
+    /// The robot's pose, in a frame that is the odometry's at the first scan and drifts away from it, slower than
+    /// odometry does.
+    pub local_from_robot: Pose,
+    /// The covariance of the motion since the scan before, x, y, heading in the robot's frame.
+    pub drift: Matrix3<f64>,
+    /// Whether the scan was used; one taken where another was is not.
+    pub used: bool,
+}
+
+/// Follows a robot from scan to scan.
+#[derive(Clone, Debug)]
+pub struct ScanMatcher {
+    parameters: MatchingParameters,
+    walls: Walls,
+    last: Option<Match>,
+    /// Where the robot last remembered what it saw.
+    remembered: Option<Pose>,
+}
+
+/// The last scan used.
+#[derive(Clone, Copy, Debug)]
+struct Match {
+    odom_from_robot: Pose,
+    local_from_robot: Pose,
+    /// How uncertain that pose is among the walls remembered.
+    covariance: Matrix3<f64>,
+    /// What the walls say of the pose: the inverse of a covariance, x, y, heading in the local frame.
+    information: Matrix3<f64>,
+}
+
+impl ScanMatcher {
+    /// A robot that has seen nothing yet.
+    pub fn new(parameters: MatchingParameters) -> Self {
+        let walls = Walls::new(parameters.window, ELEMENT);
+        ScanMatcher { parameters, walls, last: None, remembered: None }
+    }
+
+    /// The pose at the next scan. Costs beams times rounds; scans at which the robot has not moved cost nothing.
+    pub fn add(&mut self, scan: &LaserScan) -> LocalPose {
+        let odom = scan.odom_from_robot;
+        let Some(last) = self.last else {
+            let nothing = Matrix3::zeros();
+            self.last = Some(Match {
+                odom_from_robot: odom,
+                local_from_robot: odom,
+                covariance: nothing,
+                information: nothing,
+            });
+            self.remember(&surfaces(scan, self.parameters.max_range), &odom);
+            return LocalPose { local_from_robot: odom, drift: nothing, used: true };
+        };
+        let motion = last.odom_from_robot.inverse().compose(&odom);
+        let expected = last.local_from_robot.compose(&motion);
+        if motion.x.hypot(motion.y) < self.parameters.step && motion.theta.abs() < self.parameters.turn {
+            return LocalPose { local_from_robot: expected, drift: Matrix3::zeros(), used: false };
+        }
+        let seen = surfaces(scan, self.parameters.max_range);
+        let noise = self.noise(&motion);
+        let prior = carried(&last, &expected) + in_local(&noise, &expected);
+        let found = self.lay(&seen, &expected, &prior, odom);
+        self.remember(&seen, &found.local_from_robot);
+        self.last = Some(found);
+        LocalPose {
+            local_from_robot: found.local_from_robot,
+            drift: drift(&found, &noise, &motion),
+            used: true,
+        }
+    }
+
+    /// How uncertain a step of odometry is, in the robot's frame.
+    fn noise(&self, motion: &Pose) -> Matrix3<f64> {
+        let MatchingParameters { slip, heading_slip, .. } = self.parameters;
+        let length = motion.x.hypot(motion.y);
+        let along = slip * slip * length;
+        let heading = heading_slip * heading_slip * (length + motion.theta.abs());
+        let [x, y, theta] = LEAST.map(|least| least * least);
+        // Wheels slip forward more than sideways.
+        Matrix3::from_diagonal(&Vector3::new(along + x, along / 4.0 + y, heading + theta))
+    }
+
+    /// Gauss and Newton: the pose at which walls and odometry agree best, walls that do not fit counting less
+    /// (Cauchy's weights).
+    fn lay(&self, seen: &[Surface], expected: &Pose, prior: &Matrix3<f64>, odom: Pose) -> Match {
+        let trust = prior.try_inverse().unwrap_or_else(Matrix3::zeros);
+        let mut pose = *expected;
+        let mut information = Matrix3::zeros();
+        for round in 0..ROUNDS {
+            let reach = if round < COARSE { self.parameters.reach } else { self.parameters.reach / 2.0 };
+            let (found, pull) = self.compare(seen, &pose, reach);
+            information = found;
+            let away = Vector3::new(
+                pose.x - expected.x,
+                pose.y - expected.y,
+                wrap_angle(pose.theta - expected.theta),
+            );
+            let Some(covariance) = (trust + information).try_inverse() else { break };
+            let step = covariance * (trust * away + pull);
+            pose = Pose::new(pose.x - step.x, pose.y - step.y, pose.theta - step.z);
+            if round >= COARSE && step.x.hypot(step.y) < 1e-4 && step.z.abs() < 1e-5 {
+                break;
+            }
+        }
+        let covariance = (trust + information).try_inverse().unwrap_or(*prior);
+        Match { odom_from_robot: odom, local_from_robot: pose, covariance, information }
+    }
+
+    /// What the walls say of a pose: information and gradient.
+    fn compare(&self, seen: &[Surface], pose: &Pose, reach: f64) -> (Matrix3<f64>, Vector3<f64>) {
+        let noise = self.parameters.range_noise;
+        let (mut information, mut pull) = (Matrix3::zeros(), Vector3::zeros());
+        for surface in seen {
+            let there =
+                Surface { at: pose.transform_point(&surface.at), normal: pose.rotate(&surface.normal) };
+            let Some(wall) = self.walls.nearest(&there, reach) else { continue };
+            let off = wall.normal.dot(&(there.at - wall.at));
+            let arm = there.at - pose.position();
+            let slope = Vector3::new(wall.normal.x, wall.normal.y, arm.perp(&wall.normal));
+            let weight = 1.0 / (noise * noise + off * off / 4.0);
+            information += slope * slope.transpose() * weight;
+            pull += slope * (weight * off);
+        }
+        (information, pull)
+    }
+
+    fn remember(&mut self, seen: &[Surface], pose: &Pose) {
+        let far = self.remembered.is_none_or(|last| {
+            let motion = last.inverse().compose(pose);
+            motion.x.hypot(motion.y) >= REMEMBER || motion.theta.abs() >= REMEMBER_TURN
+        });
+        if !far {
+            return;
+        }
+        self.remembered = Some(*pose);
+        for surface in seen {
+            self.walls
+                .add(Surface { at: pose.transform_point(&surface.at), normal: pose.rotate(&surface.normal) });
+        }
+    }
+}
+
+/// The uncertainty of the last pose as it is felt at the next.
+fn carried(last: &Match, next: &Pose) -> Matrix3<f64> {
+    let step = next.position() - last.local_from_robot.position();
+    let felt = Matrix3::new(1.0, 0.0, -step.y, 0.0, 1.0, step.x, 0.0, 0.0, 1.0);
+    felt * last.covariance * felt.transpose()
+}
+
+/// A covariance of the robot's frame in the local frame.
+fn in_local(covariance: &Matrix3<f64>, pose: &Pose) -> Matrix3<f64> {
+    let turned = turned(pose);
+    turned * covariance * turned.transpose()
+}
+
+fn turned(pose: &Pose) -> Matrix3<f64> {
+    let (sin, cos) = pose.theta.sin_cos();
+    Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0)
+}
+
+/// The covariance of a step in the robot's frame: that of odometry, held by the walls as far as they hold it. Matches
+/// that share their walls err alike, so that what the walls say is spread over the length on which they are seen.
+fn drift(found: &Match, noise: &Matrix3<f64>, motion: &Pose) -> Matrix3<f64> {
+    let share = (motion.x.hypot(motion.y) + motion.theta.abs()) / MEMORY;
+    let turned = turned(&found.local_from_robot);
+    let walls = turned.transpose() * found.information * turned / (BEAMS_ALIKE * share.max(1e-6));
+    let odometry = noise.try_inverse().unwrap_or_else(Matrix3::zeros);
+    let length = motion.x.hypot(motion.y);
+    let bent = Matrix3::from_diagonal(&Vector3::from(BENT.map(|bent| bent * bent * length)));
+    (odometry + walls).try_inverse().unwrap_or(*noise) + bent
+}

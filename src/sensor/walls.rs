@@ -1,0 +1,145 @@
+//! The walls around the robot, remembered while they are near.
+
+use crate::geometry::{Point, Vector};
+use crate::sensor::surface::Surface;
+
+/// Normals that differ by more than 45 degrees are of different walls, or of the two sides of one: the cosine.
+const SAME_WALL: f64 = 0.7;
+/// So many sightings make a wall as sure as it gets, so that it can still be corrected.
+const SURE: f64 = 20.0;
+
+/// A piece of wall: the mean of what was seen of it in one square of the plane.
+#[derive(Clone, Copy, Debug)]
+struct Element {
+    square: [i32; 2],
+    sightings: f64,
+    surface: Surface,
+}
+
+/// A window of squares that moves with the robot. A square that leaves on one side gives its memory to one that comes
+/// in on the other, so that memory is bounded and nothing far away or long ago is remembered.
+#[derive(Clone, Debug)]
+pub(super) struct Walls {
+    side: f64,
+    squares: i32,
+    elements: Vec<Option<Element>>,
+}
+
+impl Walls {
+    /// No walls yet, in a window of so many metres of squares with this side.
+    pub(super) fn new(window: f64, side: f64) -> Self {
+        let squares = (window / side).ceil().clamp(1.0, 4096.0) as i32;
+        Walls { side, squares, elements: vec![None; (squares * squares) as usize] }
+    }
+
+    /// Remembers a surface given in the frame of the window.
+    pub(super) fn add(&mut self, seen: Surface) {
+        let Some(square) = self.square(&seen.at) else { return };
+        let slot = self.slot(square);
+        match &mut self.elements[slot] {
+            Some(known) if known.square == square => known.add(&seen),
+            other => *other = Some(Element { square, sightings: 1.0, surface: seen }),
+        }
+    }
+
+    /// The wall nearest to a surface, within reach, that faces the same way.
+    pub(super) fn nearest(&self, to: &Surface, reach: f64) -> Option<Surface> {
+        let here = self.square(&to.at)?;
+        let mut last = (reach / self.side).ceil() as i32;
+        let mut best: Option<(f64, Surface)> = None;
+        let mut ring = 0;
+        while ring <= last {
+            for square in ring_around(here, ring) {
+                let Some(Element { surface, .. }) = self.element(square) else { continue };
+                let away = (surface.at - to.at).norm();
+                let same = away < reach && surface.normal.dot(&to.normal) > SAME_WALL;
+                if same && best.is_none_or(|(nearest, _)| away < nearest) {
+                    best = Some((away, *surface));
+                    // The next ring may hold a nearer one, but none beyond it.
+                    last = last.min(ring + 1);
+                }
+            }
+            ring += 1;
+        }
+        best.map(|(_, surface)| surface)
+    }
+
+    fn element(&self, square: [i32; 2]) -> Option<&Element> {
+        self.elements[self.slot(square)].as_ref().filter(|element| element.square == square)
+    }
+
+    /// The square of a point, if it is one that can be counted.
+    fn square(&self, at: &Point) -> Option<[i32; 2]> {
+        let square = [at.x, at.y].map(|v| (v / self.side).floor());
+        square.iter().all(|v| v.abs() < 1e9).then(|| square.map(|v| v as i32))
+    }
+
+    fn slot(&self, square: [i32; 2]) -> usize {
+        let [x, y] = square.map(|v| v.rem_euclid(self.squares));
+        (y * self.squares + x) as usize
+    }
+}
+
+impl Element {
+    fn add(&mut self, seen: &Surface) {
+        let known = &mut self.surface;
+        if known.normal.dot(&seen.normal) <= 0.0 {
+            // The other side of a thin wall, or something new: what is seen more often stays.
+            self.sightings -= 1.0;
+            if self.sightings <= 0.0 {
+                *self = Element { sightings: 1.0, surface: *seen, ..*self };
+            }
+            return;
+        }
+        self.sightings = (self.sightings + 1.0).min(SURE);
+        known.at += (seen.at - known.at) / self.sightings;
+        let normal: Vector = known.normal + (seen.normal - known.normal) / self.sightings;
+        // Both face one half of the plane, so that their mean is not nothing.
+        known.normal = normal.try_normalize(0.0).unwrap_or(known.normal);
+    }
+}
+
+/// The squares at a distance of `ring` from one, in the maximum norm.
+fn ring_around([x, y]: [i32; 2], ring: i32) -> impl Iterator<Item = [i32; 2]> {
+    (-ring..=ring).flat_map(move |dy| {
+        let step = if dy.abs() == ring { 1 } else { 2 * ring as usize };
+        (-ring..=ring).step_by(step.max(1)).map(move |dx| [x + dx, y + dy])
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::direction;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn the_nearest_is_that_of_brute_force(
+            points in prop::collection::vec((-4.0..4.0f64, -4.0..4.0f64, -3.1..3.1f64), 0..80),
+            (x, y, angle) in (-4.0..4.0f64, -4.0..4.0f64, -3.1..3.1f64),
+        ) {
+            let mut walls = Walls::new(10.0, 0.1);
+            let surface = |(x, y, angle): (f64, f64, f64)| Surface { at: Point::new(x, y), normal: direction(angle) };
+            points.iter().for_each(|&p| walls.add(surface(p)));
+            let to = surface((x, y, angle));
+            let all = walls.elements.iter().flatten().map(|element| element.surface);
+            let fits = all.filter(|s| s.normal.dot(&to.normal) > SAME_WALL).map(|s| (s.at - to.at).norm());
+            let nearest = fits.filter(|&away| away < 0.5).min_by(f64::total_cmp);
+            prop_assert_eq!(walls.nearest(&to, 0.5).map(|s| (s.at - to.at).norm()), nearest);
+        }
+    }
+
+    #[test]
+    fn what_left_the_window_is_forgotten() {
+        let mut walls = Walls::new(10.0, 0.1);
+        let wall = |x: f64| Surface { at: Point::new(x, 0.05), normal: direction(0.0) };
+        walls.add(wall(1.05));
+        assert!(walls.nearest(&wall(1.05), 0.5).is_some());
+        walls.add(wall(11.05));
+        assert!(walls.nearest(&wall(1.05), 0.5).is_none());
+        assert!(walls.nearest(&wall(11.05), 0.5).is_some());
+        walls.add(wall(f64::NAN));
+        assert!(walls.nearest(&wall(1e300), 0.5).is_none());
+    }
+}

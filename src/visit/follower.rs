@@ -1,0 +1,104 @@
+//! What is known of a robot that drives about: where it is, where it was, and what is around it.
+
+use crate::geometry::{Point, Pose};
+use crate::grid::{GridError, GridInfo, OccupancyGrid};
+use crate::lpm::Lpm;
+use crate::sensor::{EvidenceGrid, LaserScan, LocalPose, ScanMatcher};
+use crate::visit::{Moment, VisitParameters};
+
+/// Poses and a grid that scrolls with the robot. Memory is bounded by the window and by the way that is not yet
+/// forgotten.
+#[derive(Clone, Debug)]
+pub(super) struct Follower {
+    matcher: ScanMatcher,
+    evidence: EvidenceGrid,
+    moments: Vec<Moment>,
+    scans: usize,
+    side: f64,
+}
+
+/// The grid follows the robot in steps of so many metres.
+const FOLLOW: f64 = 4.0;
+/// Way before an arrival that is still remembered: it shows where there is room to pass.
+const APPROACH: f64 = 20.0;
+/// Points of a trail are this far apart, metres.
+const TRAIL: f64 = 0.1;
+
+impl Follower {
+    /// A robot that has seen nothing yet; refuses a grid that is too large to be made.
+    pub(super) fn new(parameters: &VisitParameters) -> Result<Self, GridError> {
+        let VisitParameters { resolution, side, lag, .. } = *parameters;
+        // The LPM of a place is taken when the robot is about twice as far away as it looks back.
+        let cells = ((side + 4.0 * lag) / resolution).ceil() as usize;
+        let info = GridInfo { resolution, width: cells, height: cells, origin: Pose::IDENTITY };
+        OccupancyGrid::check(&info)?;
+        Ok(Follower {
+            matcher: ScanMatcher::new(parameters.matching),
+            evidence: EvidenceGrid::new(info),
+            moments: Vec::new(),
+            scans: 0,
+            side,
+        })
+    }
+
+    /// Takes the next scan.
+    pub(super) fn add(&mut self, scan: &LaserScan) -> Moment {
+        let pose = self.matcher.add(scan);
+        if pose.used {
+            let at = pose.local_from_robot.position();
+            if (at - self.evidence.middle()).amax() > FOLLOW {
+                self.evidence.center_on(&at);
+            }
+            self.evidence.add(scan, &pose.local_from_robot);
+        }
+        self.push(&pose)
+    }
+
+    fn push(&mut self, pose: &LocalPose) -> Moment {
+        let LocalPose { local_from_robot, drift, .. } = *pose;
+        let step = |last: &Moment| (local_from_robot.position() - last.local_from_robot.position()).norm();
+        let driven = self.moments.last().map_or(0.0, |last| last.driven + step(last));
+        let moment = Moment { scan: self.scans, local_from_robot, drift, driven };
+        self.scans += 1;
+        self.moments.push(moment);
+        moment
+    }
+
+    /// All moments that are remembered.
+    pub(super) fn moments(&self) -> &[Moment] {
+        &self.moments
+    }
+
+    /// The moments from one scan to another, both included, as far as they are remembered.
+    pub(super) fn between(&self, from: usize, to: usize) -> &[Moment] {
+        let at = |scan: usize| self.moments.partition_point(|moment| moment.scan < scan);
+        &self.moments[at(from)..at(to.saturating_add(1)).max(at(from))]
+    }
+
+    /// Forgets the way before an arrival and the approach to it.
+    pub(super) fn forget_before(&mut self, arrival: &Moment) {
+        let needed =
+            |moment: &Moment| moment.scan >= arrival.scan || moment.driven + APPROACH >= arrival.driven;
+        self.moments.drain(..self.moments.iter().position(needed).unwrap_or(0));
+    }
+
+    /// What is known now around a point of the local frame, in a frame with its origin there and a robot in a pose of
+    /// the local frame; nothing if there is no such grid.
+    pub(super) fn lpm(&self, middle: &Point, robot: &Pose) -> Option<Lpm> {
+        let grid = self.evidence.around(middle, self.side).ok()?;
+        let robot_pose = Pose { x: robot.x - middle.x, y: robot.y - middle.y, ..*robot };
+        Some(Lpm { grid, robot_pose, trail: self.trail(middle) })
+    }
+
+    /// Where the robot has been within the LPM around a point, in the LPM's frame.
+    fn trail(&self, middle: &Point) -> Vec<Point> {
+        let positions = self.moments.iter().map(|moment| moment.local_from_robot.position() - middle.coords);
+        let mut trail: Vec<Point> = Vec::new();
+        for at in positions.filter(|at| at.coords.amax() <= self.side / 2.0) {
+            if trail.last().is_none_or(|last| (at - last).norm() >= TRAIL) {
+                trail.push(at);
+            }
+        }
+        trail
+    }
+}
