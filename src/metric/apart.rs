@@ -1,35 +1,47 @@
 //! Axiom `apart`: two places do not lie on one spot.
 //!
 //! Where the robot stood at two different places is at least [`MetricParameters::separation`] apart, or as far as the
-//! shortest travel so far has led, if that is less. A new place is refuted where the least uncertain chain to some
-//! visit knows better even at the far end of the gate. So a loop that closes with certainty has to be closed.
+//! shortest travel so far has led, if that is less. A new place is refuted where the layout of all visits
+//! ([`crate::metric::layout`]) knows better even at the far end of the gate. So a loop that closes with certainty has
+//! to be closed. A loop closed tells more of all places: then any two are compared by where they were first visited.
 //!
 //! [`MetricParameters::separation`]: crate::metric::MetricParameters::separation
 
 use crate::abduction::Outcome;
 use crate::metric::breach::Breach;
-use crate::metric::chain::{Chains, Frame, Step};
 use crate::metric::frames::Story;
-use crate::metric::uncertainty::Composed;
+use crate::metric::layout::{Layout, Span};
 
-/// The first visit whose spot the latest one, said to be to a new place, shares.
+/// Two visits to different places that share one spot.
 pub(super) fn breach(story: &Story<'_>) -> Option<Breach> {
-    let Outcome::NewPlace = story.outcome else { return None };
     let latest = story.latest();
-    let leg = story.stays[latest].travelled?.leg?;
+    story.stays[latest].travelled?.leg?;
     let separation = separation(story);
+    let Outcome::NewPlace = story.outcome else {
+        let layout = Layout::new(story, latest + 1)?;
+        let first = |place: usize| story.first_visit(place);
+        let mut pairs = (0..story.places()).flat_map(|to| (0..to).map(move |from| (from, to)));
+        return pairs.find_map(|(from, to)| {
+            shared(story, &layout, Span { from: first(from), to: first(to) }, separation)
+        });
+    };
+    let layout = story.layout()?;
+    (0..latest).find_map(|from| shared(story, layout, Span { from, to: latest }, separation))
+}
+
+/// How two visits share one spot, if they do.
+fn shared(story: &Story<'_>, layout: &Layout, span: Span, separation: f64) -> Option<Breach> {
+    if !layout.joins(span) {
+        return None;
+    }
+    let [from, to] = [span.from, span.to].map(|visit| layout.poses[visit].position());
+    let distance = (to - from).norm();
+    if distance >= separation {
+        return None;
+    }
     let gate = story.parameters.position_gate.sqrt();
-    let direct = Step { leg, back: false, travel: Some(latest) };
-    let chains = Chains::new(story);
-    (0..latest).find_map(|visit| {
-        let chain = Composed::new(chains.to(Frame::Visit(visit))?);
-        let distance = (leg.pose.position() - chain.pose.position()).norm();
-        if distance >= separation {
-            return None;
-        }
-        let at_most = distance + chain.against(&direct, gate).radius(gate);
-        (at_most < separation).then(|| Breach::Spot { visit, at_most, separation, chain: chain.into_steps() })
-    })
+    let at_most = distance + layout.between(span, gate)?.radius(gate);
+    (at_most < separation).then_some(Breach::Spot { span, at_most, separation })
 }
 
 /// How far apart two different places are at least.

@@ -1,9 +1,10 @@
 //! The visits of a candidate and the frames of its places.
 
-use crate::abduction::{Assignment, Outcome, Proposal};
+use crate::abduction::{Assignment, Branch, Outcome, Proposal};
 use crate::geometry::wrap_angle;
 use crate::map::DstateId;
 use crate::metric::MetricParameters;
+use crate::metric::layout::Layout;
 use crate::metric::measurements::Stay;
 use crate::star::SlotIndex;
 
@@ -13,6 +14,7 @@ pub(super) struct Story<'a> {
     pub(super) stays: &'a [std::sync::Arc<Stay>],
     pub(super) parameters: &'a MetricParameters,
     pub(super) outcome: Outcome,
+    branch: &'a Branch<'a>,
     before: &'a [Assignment],
     last: Assignment,
     /// The first visit to each place.
@@ -34,7 +36,12 @@ impl<'a> Story<'a> {
                 first.push(visit);
             }
         }
-        Story { stays, parameters, outcome: proposal.outcome, before, last, first }
+        Story { stays, parameters, outcome: proposal.outcome, branch: proposal.branch, before, last, first }
+    }
+
+    /// All visits laid out by the loops closed before the latest travel.
+    pub(super) fn layout(&self) -> Option<&'a Layout> {
+        self.branch.measured(|| Layout::new(self, self.latest()))?.as_ref()
     }
 
     /// The last visit, which is the one proposed for.
@@ -55,6 +62,11 @@ impl<'a> Story<'a> {
     /// How many places there are.
     pub(super) fn places(&self) -> usize {
         self.first.len()
+    }
+
+    /// The first visit to a place.
+    pub(super) fn first_visit(&self, place: usize) -> usize {
+        self.first[place]
     }
 
     /// The visits to a place, the latest among them, ascending.

@@ -22,6 +22,7 @@ mod chain;
 mod closure;
 mod distance;
 mod frames;
+mod layout;
 mod leg;
 mod measurements;
 mod parameters;

@@ -178,7 +178,7 @@ impl Uncertainty {
 
 /// A factor `L` of a covariance, `L L' = C`: its last column is what an error of heading brings with it, its first
 /// what an error of x brings with it else. What is not positive, but for rounding, counts as nothing.
-fn factor(covariance: &Matrix3<f64>) -> Matrix3<f64> {
+pub(super) fn factor(covariance: &Matrix3<f64>) -> Matrix3<f64> {
     let mut left = *covariance;
     let mut columns = Matrix3::zeros();
     for at in [2, 0, 1] {

@@ -29,8 +29,28 @@ fn main() {
     let number = |at: usize| arguments.get(at).and_then(|text| text.parse().ok());
     let (walks, from): (u64, u64) = (number(0).unwrap_or(1000), number(1).unwrap_or(0));
     let mut sound = true;
+    let common = Drift {
+        heading_bias: 0.0027,
+        heading_noise: 0.0,
+        length_bias: 0.0163,
+        length_noise: 0.0,
+        ..Drift::WORST
+    };
+    let own = Drift {
+        heading_bias: 0.0,
+        heading_noise: 0.0086,
+        length_bias: 0.0,
+        length_noise: 0.0515,
+        ..Drift::WORST
+    };
+    let drifts = [
+        ("as bad as the worst", Drift::WORST),
+        ("as bad, all of it the same on all metres", common),
+        ("as bad, all of it new on every metre", own),
+        ("a fifth of that", Drift::WORST.scaled(0.2)),
+    ];
     for (name, drift) in
-        [("as bad as the worst", Drift::WORST), ("a fifth of that", Drift::WORST.scaled(0.2))]
+        drifts.into_iter().skip(number(2).unwrap_or(0) as usize).take(number(3).unwrap_or(9) as usize)
     {
         println!("\nodometry {name}: {drift:?}\n{walks} walks from seed {from}, corridors of {SPACING} m");
         for (side, share) in [(4, walks - walks / 2), (6, walks / 2)] {
@@ -83,7 +103,7 @@ impl Tally {
         if let Err(refutation) = judge(&visits, evidence.as_deref(), AxiomSet::of(Profile::Default), &truth) {
             self.refuted.push((side, seed, refutation));
         }
-        if seed.is_multiple_of(SEARCHED) {
+        if seed.is_multiple_of(std::env::var("SEARCHED").map_or(SEARCHED, |t| t.parse().unwrap())) {
             self.count(&explain(&sightings), &truth);
         }
         self.seconds += start.elapsed().as_secs_f64();
@@ -92,6 +112,17 @@ impl Tally {
     fn count(&mut self, abduction: &Abduction, truth: &[Assignment]) {
         let report: Report = abduction.report();
         let kept = abduction.candidates().any(|candidate| candidate.visits == truth);
+        if std::env::var("SHOW").is_ok() {
+            eprintln!("truth places {}", truth.iter().map(|a| a.place).max().unwrap());
+            let mut tally: BTreeMap<String, usize> = BTreeMap::new();
+            for candidate in abduction.candidates() {
+                let visits = &candidate.visits;
+                let first = visits.iter().zip(truth).position(|(a, b)| a != b);
+                let new = visits.iter().map(|a| a.place).max().unwrap();
+                *tally.entry(format!("first {first:?} of {} places {new}", visits.len())).or_default() += 1;
+            }
+            eprintln!("{tally:?}");
+        }
         let preferred = report.minimal.iter().any(|candidate| candidate.visits == truth);
         match report.complete {
             true => self.candidates.push(abduction.len()),
