@@ -2,7 +2,7 @@
 
 use crate::engine::{names, stories};
 use crate::reference::Story;
-use nalgebra::{Matrix2, Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Matrix3xX, Vector3};
 use proptest::prelude::*;
 use topostar::abduction::{
     Abduction, Assignment, AxiomId, AxiomSet, Limits, Profile, REGISTRY, Visit, judge,
@@ -198,45 +198,6 @@ impl Told<'_> {
         let all = odometry + other;
         all.m11 + all.m22 + all.m33 * self.bounds.lever * self.bounds.lever
     }
-
-    /// The bound on the covariance of chain against travel, and what first order leaves out.
-    fn uncertainty(&self, chain: &[Step], gate: f64) -> (Matrix3<f64>, f64) {
-        let (odometry, stay) = self.covariances(self.latest());
-        let mut columns: Vec<Matrix3<f64>> = vec![root(&odometry)];
-        let mut covariance = stay;
-        let (mut new, mut same, mut slack) = (0.0, 0.0, 0.0);
-        let still = vec![Vector3::zeros(); chain.len()];
-        for (at, step) in chain.iter().enumerate() {
-            let moves = derivative(|error| {
-                let mut errors = still.clone();
-                errors[at] = *error;
-                self.compose(chain, &errors)
-            });
-            let (odometry, other) = self.step_covariances(*step);
-            columns.push(-moves * root(&odometry));
-            covariance += moves * other * moves.transpose();
-            let (length, back) = match *step {
-                Step::Travel { to, back } => {
-                    let leg = self.travel(to, &Vector3::zeros(), &Vector3::zeros());
-                    (leg.x.hypot(leg.y), back)
-                }
-                Step::Arrive { back, .. } => (0.0, back),
-            };
-            let (before, alike) = (new, same);
-            new += odometry.m33 + other.m33;
-            same += if back { -odometry.m33.sqrt() } else { odometry.m33.sqrt() };
-            let heading: f64 = if back { new + same * same } else { before + alike * alike };
-            slack += length * (gate * heading.sqrt()).powi(2) / 2.0;
-        }
-        for cause in 0..3 {
-            let effects: Vec<Vector3<f64>> =
-                columns.iter().map(|all| all.column(cause).into_owned()).collect();
-            let new: Matrix3<f64> = effects.iter().map(|effect| effect * effect.transpose()).sum();
-            let same: Vector3<f64> = effects.iter().sum();
-            covariance += upper(&new, &(same * same.transpose()));
-        }
-        (covariance, slack)
-    }
 }
 
 /// The derivative of a pose by what is added, by differences.
@@ -268,16 +229,6 @@ fn root(covariance: &Matrix3<f64>) -> Matrix3<f64> {
         }
     }
     root
-}
-
-/// What bounds two covariances: half of their sum and of the root of their difference squared.
-fn upper(a: &Matrix3<f64>, b: &Matrix3<f64>) -> Matrix3<f64> {
-    let units = Matrix3::from_diagonal(&(a + b).diagonal().map(|variance| variance.max(1e-300).sqrt()));
-    let scale = units.try_inverse().unwrap();
-    let apart = (scale * (a - b) * scale).svd(true, true);
-    let turned = apart.v_t.unwrap();
-    let size = turned.transpose() * Matrix3::from_diagonal(&apart.singular_values) * turned;
-    units * (scale * (a + b) * scale + size) * units / 2.0
 }
 
 fn lengths_of_a_segment_meet(told: &Told<'_>) -> bool {
@@ -348,42 +299,149 @@ fn headings_close(told: &Told<'_>) -> bool {
     off.abs() <= told.bounds.sigmas * chain.iter().chain([&travel]).map(sigma).sum::<f64>()
 }
 
+/// All errors of a story estimated at once, with spread one each: three a travel of its own, then three a visit of
+/// where in its place it is, then three of odometry that are the same on all travels. Loops are observations of them.
+struct Estimate<'a> {
+    told: &'a Told<'a>,
+    /// The displacement, what its own errors do, and what common ones do.
+    legs: Vec<(Pose, Matrix3<f64>, Matrix3<f64>)>,
+    mean: DVector<f64>,
+    covariance: DMatrix<f64>,
+}
+
+impl<'a> Estimate<'a> {
+    /// By the loops among so many visits.
+    fn new(told: &'a Told<'a>, assigned: usize) -> Estimate<'a> {
+        let legs: Vec<_> = (1..=told.latest())
+            .map(|to| {
+                let (odometry, stay) = told.covariances(to);
+                let leg = told.travel(to, &Vector3::zeros(), &Vector3::zeros());
+                (leg, root(&(odometry + stay)), root(&odometry))
+            })
+            .collect();
+        let size = 6 * told.story.len() + 3;
+        let (mean, covariance) = (DVector::zeros(size), DMatrix::identity(size, size));
+        let mut estimate = Estimate { told, legs, mean, covariance };
+        let loops: Vec<usize> =
+            (0..assigned).filter(|&visit| told.first(told.story[visit].0) < visit).collect();
+        for _ in 0..12 {
+            let mut information = DMatrix::identity(size, size);
+            let mut pull = DVector::zeros(size);
+            let weight = told.astray().try_inverse().unwrap();
+            for &visit in &loops {
+                let (off, slope) = estimate.linearised(|errors| estimate.off(visit, errors));
+                information += slope.transpose() * weight * &slope;
+                pull += slope.transpose() * weight * (&slope * &estimate.mean - off);
+            }
+            estimate.covariance = information.try_inverse().unwrap();
+            estimate.mean = &estimate.covariance * pull;
+        }
+        estimate
+    }
+
+    fn poses(&self, errors: &DVector<f64>) -> Vec<Pose> {
+        let common = errors.fixed_rows::<3>(6 * self.told.story.len()).into_owned();
+        let mut poses = vec![Pose::IDENTITY];
+        for (at, (leg, own, same)) in self.legs.iter().enumerate() {
+            let error = own * errors.fixed_rows::<3>(3 * at) + same * common;
+            let leg = Pose::new(leg.x - error.x, leg.y - error.y, leg.theta - error.z);
+            poses.push(poses[at].compose(&leg));
+        }
+        poses
+    }
+
+    /// The frame of a visit, in that of an earlier one.
+    fn seen(&self, from: usize, to: usize, errors: &DVector<f64>) -> Pose {
+        let poses = self.poses(errors);
+        poses[from].inverse().compose(&poses[to])
+    }
+
+    /// How far a visit is from the middle of its place, which the first visit to it is off as well.
+    fn off(&self, visit: usize, errors: &DVector<f64>) -> Vector3<f64> {
+        let (told, first) = (self.told, self.told.first(self.told.story[visit].0));
+        let seen = self.seen(first, visit, errors);
+        let bounds = &told.bounds;
+        let astray = errors.fixed_rows::<3>(3 * (told.story.len() + first)).component_mul(&Vector3::new(
+            bounds.extent_sigma,
+            bounds.extent_sigma,
+            bounds.bearing_sigma,
+        ));
+        let place = Pose::new(astray.x, astray.y, astray.z);
+        let off = place.inverse().compose(&seen);
+        Vector3::new(off.x, off.y, wrap_angle(off.theta - told.turn(visit)))
+    }
+
+    /// A function of errors where they are, and its derivative by differences.
+    fn linearised(&self, of: impl Fn(&DVector<f64>) -> Vector3<f64>) -> (Vector3<f64>, Matrix3xX<f64>) {
+        let step = 1e-4;
+        let mut slope = Matrix3xX::zeros(self.mean.len());
+        for at in 0..self.mean.len() {
+            let (mut more, mut less) = (self.mean.clone(), self.mean.clone());
+            more[at] += step;
+            less[at] -= step;
+            let change = of(&more) - of(&less);
+            let change = Vector3::new(change.x, change.y, wrap_angle(change.z));
+            slope.set_column(at, &(change / (2.0 * step)));
+        }
+        (of(&self.mean), slope)
+    }
+
+    fn pose(&self, from: usize, to: usize) -> (Vector3<f64>, Matrix3<f64>) {
+        let (at, slope) = self.linearised(|errors| {
+            let pose = self.seen(from, to, errors);
+            Vector3::new(pose.x, pose.y, pose.theta)
+        });
+        (at, &slope * &self.covariance * slope.transpose())
+    }
+
+    /// What the derivatives leave out from one visit to another.
+    fn slack(&self, from: usize, to: usize, gate: f64) -> f64 {
+        (from + 1..=to)
+            .map(|visit| {
+                let leg = &self.legs[visit - 1].0;
+                leg.x.hypot(leg.y) * gate * gate * self.pose(from, visit - 1).1.m33 / 2.0
+            })
+            .sum()
+    }
+}
+
 fn loops_close(told: &Told<'_>) -> bool {
     if told.is_new() {
         return true;
     }
-    let chain = around(told);
-    let none = vec![Vector3::zeros(); chain.len()];
-    let (end, direct) =
-        (told.compose(&chain, &none), told.travel(told.latest(), &Vector3::zeros(), &Vector3::zeros()));
+    let latest = told.latest();
     let gate = told.bounds.pose_gate.sqrt();
-    let (covariance, slack) = told.uncertainty(&chain, gate);
+    let estimate = Estimate::new(told, latest);
+    let (off, slope) = estimate.linearised(|errors| estimate.off(latest, errors));
+    let covariance = &slope * &estimate.covariance * slope.transpose() + told.astray();
+    let slack = estimate.slack(told.first(told.story[latest].0), latest, gate);
     let size = gate * (covariance.m11 + covariance.m22).sqrt();
     let disc = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 0.0)) * (slack / gate).powi(2);
     let widened = match slack > 0.0 {
         true => covariance * (1.0 + slack / size) + disc * (1.0 + size / slack),
         false => covariance,
     };
-    let off = Vector3::new(direct.x - end.x, direct.y - end.y, wrap_angle(direct.theta - end.theta));
     off.dot(&(widened.try_inverse().unwrap() * off)) <= told.bounds.pose_gate
 }
 
 fn places_are_apart(told: &Told<'_>) -> bool {
-    if !told.is_new() {
-        return true;
-    }
-    let leg = |to: usize| told.travel(to, &Vector3::zeros(), &Vector3::zeros());
-    let lengths = (1..=told.latest()).map(|to| leg(to).x.hypot(leg(to).y));
-    let separation = lengths.fold(told.bounds.separation, f64::min);
-    let direct = leg(told.latest());
+    let latest = told.latest();
+    let lengths = (1..=latest).map(|to| told.travel(to, &Vector3::zeros(), &Vector3::zeros()));
+    let separation = lengths.map(|leg| leg.x.hypot(leg.y)).fold(told.bounds.separation, f64::min);
     let gate = told.bounds.position_gate.sqrt();
-    (0..told.latest()).all(|visit| {
-        let chain = told.chain(Frame::Visit(visit)).unwrap();
-        let end = told.compose(&chain, &vec![Vector3::zeros(); chain.len()]);
-        let (covariance, slack) = told.uncertainty(&chain, gate);
+    let firsts: Vec<usize> = (0..=latest).filter(|&visit| told.first(told.story[visit].0) == visit).collect();
+    let (estimate, pairs): (_, Vec<(usize, usize)>) = match told.is_new() {
+        true => (Estimate::new(told, latest), (0..latest).map(|from| (from, latest)).collect()),
+        false => {
+            let pairs = firsts.iter().flat_map(|&to| firsts.iter().map(move |&from| (from, to)));
+            (Estimate::new(told, latest + 1), pairs.filter(|(from, to)| from < to).collect())
+        }
+    };
+    pairs.into_iter().all(|(from, to)| {
+        let (at, covariance) = estimate.pose(from, to);
         let position = Matrix2::new(covariance.m11, covariance.m12, covariance.m21, covariance.m22);
         let widest = position.svd(false, false).singular_values.max();
-        (direct.x - end.x).hypot(direct.y - end.y) + gate * widest.sqrt() + slack >= separation
+        at.x.hypot(at.y) + gate * widest.sqrt() + estimate.slack(from, to, gate) >= separation
     })
 }
 
