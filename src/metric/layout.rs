@@ -10,7 +10,7 @@
 //! under conditions (Gauss), linearised where the errors were last thought to be, until they stay. In world
 //! coordinates the error of a travel is a twist at the origin, `A e`, and what it does to a pose at `q` is
 //! `lever(q) A e`: so the covariance of two loops is that of the travels they share, a difference of two sums over
-//! beginnings of the trace. With `c` loops a solution takes `c^3` steps.
+//! beginnings of the trace. A travel that was not measured ends what is laid out together. With `c` loops a solution takes `c^3` steps.
 
 use crate::geometry::{Pose, Vector, wrap_angle};
 use crate::metric::chain::link;
