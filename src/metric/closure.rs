@@ -2,16 +2,17 @@
 //!
 //! A travel that comes to a known place closes a loop. Where it leads is predicted from all travels so far and from
 //! all loops they closed ([`crate::metric::layout`]), which also tell how odometry drifts. The difference, weighed by
-//! the covariance of the prediction and of the travel, stays within the gate. Loops whose travels were all made
-//! before have been judged before. Where bearings do not tell how the place is turned, position alone is judged.
+//! the covariance of the prediction and of the travel, stays within its gate, and together with what it took to close
+//! all loops before within the gate of all. Where bearings do not tell how the place is turned, position alone is
+//! judged.
 
 use crate::abduction::Outcome;
 use crate::metric::breach::Breach;
 use crate::metric::frames::Story;
-use crate::metric::layout::closed;
+use crate::metric::layout::{Layout, Loop, closed, in_every};
 use nalgebra::Vector2;
 
-/// How far the latest travel is from where the layout of all before puts its place.
+/// How far the latest travel is from where the layout of all before puts its place, if no share explains it.
 pub(super) fn breach(story: &Story<'_>) -> Option<Breach> {
     if story.outcome == Outcome::NewPlace {
         return None;
@@ -19,14 +20,21 @@ pub(super) fn breach(story: &Story<'_>) -> Option<Breach> {
     let latest = story.latest();
     story.stays[latest].travelled?.leg?;
     let closing = closed(story, latest)?;
-    let gate = match closing.turn {
-        Some(_) => story.parameters.pose_gate,
-        None => story.parameters.position_gate,
+    in_every(|share| open(story, story.layout(share)?, &closing))?.pop()
+}
+
+/// How the loop does not close in a layout.
+fn open(story: &Story<'_>, layout: &Layout, closing: &Loop) -> Option<Breach> {
+    let (degrees, alone) = match closing.turn {
+        Some(_) => (3, story.parameters.pose_gate),
+        None => (2, story.parameters.position_gate),
     };
-    let (off, uncertainty) = story.layout()?.off(&closing, gate.sqrt())?;
+    let gate = if layout.agrees() { layout.left(degrees, alone) } else { alone };
+    let (off, uncertainty) = layout.off(closing, gate.sqrt())?;
     let chi_square = match closing.turn {
         Some(_) => uncertainty.of_pose(&off, gate.sqrt()),
         None => uncertainty.of_position(&Vector2::new(off.x, off.y), gate.sqrt()),
     }?;
-    (chi_square > gate).then_some(Breach::Loop { off, chi_square, gate, span: closing.span })
+    let open = chi_square > gate || !layout.agrees();
+    open.then_some(Breach::Loop { off, chi_square, gate, span: closing.span })
 }

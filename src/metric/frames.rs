@@ -4,9 +4,10 @@ use crate::abduction::{Assignment, Branch, Outcome, Proposal};
 use crate::geometry::wrap_angle;
 use crate::map::DstateId;
 use crate::metric::MetricParameters;
-use crate::metric::layout::Layout;
+use crate::metric::layout::{Layout, SHARES};
 use crate::metric::measurements::Stay;
 use crate::star::SlotIndex;
+use std::cell::OnceCell;
 
 /// What a child of a candidate says of all visits up to the one proposed for, the last, with what was measured.
 #[derive(Debug)]
@@ -39,9 +40,10 @@ impl<'a> Story<'a> {
         Story { stays, parameters, outcome: proposal.outcome, branch: proposal.branch, before, last, first }
     }
 
-    /// All visits laid out by the loops closed before the latest travel.
-    pub(super) fn layout(&self) -> Option<&'a Layout> {
-        self.branch.measured(|| Layout::new(self, self.latest()))?.as_ref()
+    /// All visits laid out by the loops closed before the latest travel, under one of [`SHARES`].
+    pub(super) fn layout(&self, share: usize) -> Option<&'a Layout> {
+        let layouts: &[OnceCell<Option<Layout>>; SHARES.len()] = self.branch.measured(Default::default)?;
+        layouts[share].get_or_init(|| Layout::new(self, self.latest(), SHARES[share])).as_ref()
     }
 
     /// The last visit, which is the one proposed for.
@@ -62,11 +64,6 @@ impl<'a> Story<'a> {
     /// How many places there are.
     pub(super) fn places(&self) -> usize {
         self.first.len()
-    }
-
-    /// The first visit to a place.
-    pub(super) fn first_visit(&self, place: usize) -> usize {
-        self.first[place]
     }
 
     /// The visits to a place, the latest among them, ascending.

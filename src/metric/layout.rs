@@ -1,22 +1,28 @@
 //! All visits laid out at once: what every loop closed so far says of where they lie and of how odometry drifts.
 //!
-//! The error of a travel, `e`, has two parts: one of its own, with the covariance `C` of the travel, and `L b`, where
-//! `L L'` is what odometry has in `C` and `b`, one number for each of three causes (`metric::uncertainty`) with
-//! variance one, is the same on all travels. Either part is as large as the covariance allows both together, so that
-//! the model bounds, in the order of covariances, every mixture in which the shares of own and common errors stay
-//! the same; and so does whatever is linear in errors, predictions from loops closed before among them.
+//! The error of a travel has two parts: one of its own, and `L b`, where `L L'` is what odometry has in the covariance
+//! `C` of the travel and `b`, one number for each of three causes (`metric::uncertainty`) with variance one, is the same
+//! on all travels. For length and drift aside either part is as large as the covariance allows both together. For
+//! heading, which leaves most, the share that is the same is in one of a few ranges ([`Share`]), and what is refuted is
+//! refuted under each. In the order of covariances a range bounds every mixture whose shares lie in it and stay; and
+//! so does whatever is linear in errors, predictions from loops closed before among them.
 //!
 //! A loop joins a visit to the first one to the same place. That it closes is a condition on errors: least squares
 //! under conditions (Gauss), linearised where the errors were last thought to be, until they stay. In world
 //! coordinates the error of a travel is a twist at the origin, `A e`, and what it does to a pose at `q` is
 //! `lever(q) A e`: so the covariance of two loops is that of the travels they share, a difference of two sums over
-//! beginnings of the trace. A travel that was not measured ends what is laid out together. With `c` loops a solution takes `c^3` steps.
+//! beginnings of the trace. A travel that was not measured ends what is laid out together. With `c` loops a solution
+//! takes `c^3` steps.
+//!
+//! All loops together have a chi-square, and so has each loop or pair of places given those before it. The sum has as
+//! many degrees of freedom as both, so that a test has its own gate and what the gate of the sum leaves it, whichever
+//! is less ([`Layout::left`]).
 
 use crate::geometry::{Pose, Vector, wrap_angle};
 use crate::metric::chain::link;
 use crate::metric::frames::Story;
 use crate::metric::leg::{Leg, lever, rotation};
-use crate::metric::uncertainty::{Uncertainty, factor};
+use crate::metric::uncertainty::{TAIL, Uncertainty, exceeded, factor, quantile};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// Two visits; the second one is later.
@@ -39,6 +45,7 @@ pub(super) struct Loop {
 /// The visits laid out.
 #[derive(Debug)]
 pub(super) struct Layout {
+    share: Share,
     legs: Vec<Option<Leg>>,
     /// The frame of each visit, in that of the first one since the last travel that was not measured.
     pub(super) poses: Vec<Pose>,
@@ -56,21 +63,65 @@ pub(super) struct Layout {
     headings: DMatrix<f64>,
 }
 
+/// How much of the variance of heading errors is the same on all travels: at most so much, and at most so much is not.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Share {
+    same: f64,
+    own: f64,
+}
+
+/// Ranges of shares. The second one holds all of them; the others do together, each judging less widely.
+pub(super) const SHARES: [Share; 5] = [
+    Share { same: 0.75, own: 0.5 },
+    Share { same: 1.0, own: 1.0 },
+    Share { same: 0.5, own: 0.75 },
+    Share { same: 1.0, own: 0.25 },
+    Share { same: 0.25, own: 1.0 },
+];
+/// Which of the ranges holds all.
+const ANY: usize = 1;
+
+/// What breaks an axiom whatever the share is: in the range that holds all of them, or else in each of the others.
+pub(super) fn in_every<T>(mut breach: impl FnMut(usize) -> Option<T>) -> Option<Vec<T>> {
+    let first = breach(0)?;
+    if let Some(any) = breach(ANY) {
+        return Some(vec![any]);
+    }
+    let others: Option<Vec<T>> = (ANY + 1..SHARES.len()).map(breach).collect();
+    Some([first].into_iter().chain(others?).collect())
+}
+
+impl Share {
+    /// Of a covariance by odometry: what is new on the travel.
+    fn own(self, odometry: &Matrix3<f64>) -> Matrix3<f64> {
+        let heading = factor(odometry).column(2).into_owned();
+        odometry - heading * heading.transpose() * (1.0 - self.own)
+    }
+
+    /// What is the same on all travels: what each cause does.
+    fn same(self, odometry: &Matrix3<f64>) -> Matrix3<f64> {
+        let mut factor = factor(odometry);
+        factor.column_mut(2).scale_mut(self.same.sqrt());
+        factor
+    }
+}
+
 /// Variance of what is not known, square radians.
 const UNKNOWN: f64 = 1e4;
 /// At most so many linearisations, and the change of an error that ends them.
-const ROUNDS: usize = 10;
-const SETTLED: f64 = 1e-9;
+const ROUNDS: usize = 20;
+const SETTLED: f64 = 1e-6;
 
 impl Layout {
     /// The layout of all visits of a story by the loops among the first `assigned` ones.
-    pub(super) fn new(story: &Story<'_>, assigned: usize) -> Option<Layout> {
+    pub(super) fn new(story: &Story<'_>, assigned: usize, share: Share) -> Option<Layout> {
         let loops: Vec<Loop> = (1..assigned).filter_map(|visit| closed(story, visit)).collect();
         let legs: Vec<Option<Leg>> = (0..=story.latest())
             .map(|visit| story.stays[visit].travelled.and_then(|travelled| travelled.leg))
             .collect();
         let visits = legs.len();
         let mut layout = Layout {
+            share,
             legs,
             poses: vec![Pose::IDENTITY; visits],
             loops: Vec::new(),
@@ -91,14 +142,31 @@ impl Layout {
             few *= 2;
         }
         layout.loops = loops;
-        for _ in 0..ROUNDS {
-            if layout.adjust()? < SETTLED {
-                break;
-            }
-        }
+        let settled =
+            (0..ROUNDS).try_fold(false, |settled, _| Some(settled || layout.adjust()? < SETTLED))?;
         layout.solve()?;
+        // Where errors do not come to rest, as no likely ones close the loops, that is all there is to know.
+        (settled || !layout.agrees()).then_some(())?;
         layout.headings = layout.all_headings()?;
         Some(layout)
+    }
+
+    /// Chi-square of all loops together, and its degrees of freedom.
+    pub(super) fn chi_square(&self) -> (f64, usize) {
+        let degrees = self.loops.iter().map(|closed| 2 + usize::from(closed.turn.is_some())).sum();
+        (self.whitened.norm_squared(), degrees)
+    }
+
+    /// Whether likely errors close all loops.
+    pub(super) fn agrees(&self) -> bool {
+        let (chi_square, degrees) = self.chi_square();
+        exceeded(chi_square, degrees) >= TAIL
+    }
+
+    /// What the gate of all loops together leaves for a test of so many degrees of freedom, at most its own gate.
+    pub(super) fn left(&self, degrees: usize, gate: f64) -> f64 {
+        let (chi_square, all) = self.chi_square();
+        (quantile(all + degrees) - chi_square).clamp(0.0, gate)
     }
 
     /// Whether all travels of the span are measured.
@@ -126,16 +194,46 @@ impl Layout {
         Some(Uncertainty { covariance, slack: self.slack(span, gate) })
     }
 
-    /// What first order leaves out over a span (Taylor), metres.
+    /// What first order leaves out between two visits (Taylor), metres: the least of what it leaves out along any
+    /// chain of travels and of visits to one place (Dijkstra).
     fn slack(&self, span: Span, gate: f64) -> f64 {
+        let swings = self.swings(span.from, gate);
+        let mut best = vec![f64::INFINITY; self.poses.len()];
+        let mut open: Vec<usize> = (0..best.len()).collect();
+        best[span.from] = 0.0;
+        while let Some(at) = open.iter().copied().min_by(|&a, &b| best[a].total_cmp(&best[b])) {
+            if at == span.to || best[at].is_infinite() {
+                break;
+            }
+            open.retain(|&visit| visit != at);
+            let mut reach = |to: usize, by: f64| best[to] = best[to].min(best[at] + by);
+            if let Some(swing) = swings[at] {
+                reach(at - 1, swing);
+            }
+            if let Some(Some(swing)) = swings.get(at + 1) {
+                reach(at + 1, *swing);
+            }
+            for Loop { span: Span { from, to }, .. } in &self.loops {
+                if *from == at {
+                    reach(*to, 0.0);
+                } else if *to == at {
+                    reach(*from, 0.0);
+                }
+            }
+        }
+        best[span.to]
+    }
+
+    /// What first order leaves out of the travel to each visit, seen from one of them.
+    fn swings(&self, from: usize, gate: f64) -> Vec<Option<f64>> {
         let swing = |visit: usize| {
-            let Some(leg) = self.legs[visit] else { return 0.0 };
-            let before = Span { from: span.from, to: visit - 1 };
-            let known = self.headings.column(before.to) - self.headings.column(before.from);
-            let variance = (self.shared(before, before).m33 - known.norm_squared()).max(0.0);
-            leg.pose.x.hypot(leg.pose.y) * gate * gate * variance / 2.0
+            let (leg, before) = (self.legs[visit]?, visit - 1);
+            let known = self.headings.column(before) - self.headings.column(from);
+            let span = Span { from: from.min(before), to: from.max(before) };
+            let variance = (self.shared(span, span).m33 - known.norm_squared()).max(0.0);
+            Some(leg.pose.x.hypot(leg.pose.y) * gate * gate * variance / 2.0)
         };
-        (span.from + 1..=span.to).map(swing).sum()
+        (0..self.legs.len()).map(swing).collect()
     }
 
     /// Lays out the visits by the errors as estimated.
@@ -152,8 +250,9 @@ impl Layout {
             let gone = Pose::new(leg.pose.x - error.x, leg.pose.y - error.y, leg.pose.theta - error.z);
             self.poses[visit] = self.poses[before].compose(&gone);
             let moves = lever(&-at(&self.poses[visit])) * rotation(self.poses[before].theta);
-            self.own[visit] = self.own[before] + moves * (leg.odometry + leg.stay) * moves.transpose();
-            self.common[visit] = self.common[before] + moves * factor(&leg.odometry);
+            self.own[visit] =
+                self.own[before] + moves * (self.share.own(&leg.odometry) + leg.stay) * moves.transpose();
+            self.common[visit] = self.common[before] + moves * self.share.same(&leg.odometry);
             self.sums[visit] = self.sums[before] + moves * error;
         }
     }
@@ -194,7 +293,8 @@ impl Layout {
             pulled += pull;
             let Some(leg) = self.legs[visit] else { continue };
             let moves = lever(&-at(&self.poses[visit])) * rotation(self.poses[visit - 1].theta);
-            let error = (leg.odometry + leg.stay) * moves.transpose() * pulled + factor(&leg.odometry) * bias;
+            let error = (self.share.own(&leg.odometry) + leg.stay) * moves.transpose() * pulled
+                + self.share.same(&leg.odometry) * bias;
             change = change.max((error - self.errors[visit]).amax());
             self.errors[visit] = error;
         }

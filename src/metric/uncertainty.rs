@@ -35,9 +35,23 @@ impl Uncertainty {
         Some(difference.dot(&covariance.cholesky()?.solve(difference)))
     }
 
-    /// The radius, in metres, of a disc around the estimate that holds the position.
-    pub(super) fn radius(&self, gate: f64) -> f64 {
-        gate * self.position().symmetric_eigenvalues().max().max(0.0).sqrt() + self.slack
+    /// How far from the origin a position is at most, metres, that lies in the gate's ellipse around an estimate.
+    ///
+    /// By duality every `m` above the squares `s` of the ellipse's axes bounds the square of that distance, by
+    /// `m + sum m a a / (m - s)` for an estimate `a` on these axes; the least bound is the distance.
+    pub(super) fn at_most(&self, estimate: &Vector2<f64>, gate: f64) -> f64 {
+        let axes = self.position().symmetric_eigen();
+        let along = axes.eigenvectors.transpose() * estimate;
+        let squares = axes.eigenvalues.map(|variance| variance.max(0.0) * gate * gate);
+        let longest = squares.max();
+        let (mut low, mut high) = (longest, longest + longest.sqrt() * along.norm());
+        for _ in 0..HALVINGS {
+            let middle = f64::midpoint(low, high);
+            let slope = along.zip_map(&squares, |a, s| s * (a / (middle - s)).powi(2));
+            if slope.sum() > 1.0 { low = middle } else { high = middle }
+        }
+        let beyond = along.zip_map(&squares, |a, s| if high > s { high * a * a / (high - s) } else { a * a });
+        (high + beyond.sum()).sqrt() + self.slack
     }
 
     fn position(&self) -> Matrix2<f64> {
@@ -53,6 +67,35 @@ impl Uncertainty {
         }
         (1.0 + self.slack / size, (1.0 + size / self.slack) * (self.slack / gate).powi(2))
     }
+}
+
+/// Steps of bisection, for fifteen digits.
+const HALVINGS: usize = 50;
+
+/// How often five standard deviations are exceeded.
+pub(super) const TAIL: f64 = 5.733e-7;
+
+/// The probability that chi-square of so many degrees of freedom, or of one more where they are odd, exceeds a value.
+pub(super) fn exceeded(value: f64, degrees: usize) -> f64 {
+    let half = value / 2.0;
+    let mut term = (-half).exp();
+    let mut sum = term;
+    for step in 1..degrees.div_ceil(2) {
+        term *= half / step as f64;
+        sum += term;
+    }
+    sum
+}
+
+/// The value that chi-square of so many degrees of freedom exceeds as rarely as that.
+pub(super) fn quantile(degrees: usize) -> f64 {
+    // Beyond the mean, at most six standard deviations and as much as for one degree of freedom.
+    let (mut low, mut high) = (0.0, degrees as f64 + 6.0 * (2.0 * degrees as f64).sqrt() + 40.0);
+    for _ in 0..HALVINGS {
+        let middle = f64::midpoint(low, high);
+        if exceeded(middle, degrees) > TAIL { low = middle } else { high = middle }
+    }
+    high
 }
 
 /// A factor `L` of a covariance, `L L' = C`: its last column is what an error of heading brings with it, its first
@@ -74,6 +117,36 @@ pub(super) fn factor(covariance: &Matrix3<f64>) -> Matrix3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn gates_of_two_degrees_are_one() {
+        let gate = crate::metric::MetricParameters::default().position_gate;
+        assert!((quantile(2) - gate).abs() < 1e-3, "{}", quantile(2));
+        // Of an odd number that of one more; each is beyond those of fewer.
+        assert_eq!(quantile(3).to_bits(), quantile(4).to_bits());
+        assert!((1..100).all(|degrees| quantile(degrees) < quantile(degrees + 2)));
+        // About the normal distribution's five standard deviations for many (Fisher).
+        let many = 400.0_f64;
+        assert!(((2.0 * quantile(400)).sqrt() - (2.0 * many - 1.0).sqrt() - 4.87).abs() < 0.3);
+    }
+
+    #[test]
+    fn the_farthest_point_is_that_found_all_around() {
+        for (estimate, axes) in [((1.0, 2.0), (3.0, 0.5)), ((0.0, 2.0), (3.0, 0.5)), ((0.0, 0.0), (1.0, 0.0))]
+        {
+            let (estimate, turn) = (Vector2::new(estimate.0, estimate.1), nalgebra::Rotation2::new(0.4));
+            let half = turn.matrix() * Matrix2::from_diagonal(&Vector2::new(axes.0, axes.1));
+            let estimate = turn * estimate;
+            let covariance = (half * half.transpose()).insert_row(2, 0.0).insert_column(2, 0.0);
+            let around = (0..10_000).map(|part| f64::from(part) / 1e4 * TAU);
+            let point = |angle: f64| (estimate + half * Vector2::new(angle.cos(), angle.sin()) * 2.0).norm();
+            let farthest = around.map(point).fold(0.0, f64::max);
+            let bound = Uncertainty { covariance, slack: 0.5 }.at_most(&estimate, 2.0);
+            assert!((bound - 0.5 - farthest).abs() < 1e-5, "{bound} {farthest}");
+        }
+    }
+
     #[test]
     fn factors_multiply_to_what_they_are_of() {
         let covariance = Matrix3::new(2.0, 0.3, -0.4, 0.3, 1.5, 0.2, -0.4, 0.2, 0.7);
