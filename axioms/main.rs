@@ -20,6 +20,7 @@ mod golden;
 mod judge;
 mod lengths_and_angles;
 mod measured;
+mod measured_reference;
 mod best_first;
 mod boundary;
 mod grid_walks;

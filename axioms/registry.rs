@@ -3,6 +3,7 @@
 use crate::engine::explain;
 use crate::lengths_and_angles::few_maps;
 use crate::measured;
+use crate::measured_reference::LAWS;
 use crate::reference;
 use crate::topology::PROPERTIES;
 use crate::traces::visits;
@@ -40,7 +41,7 @@ fn refutes(axiom: &Axiom, world: &str) -> bool {
 fn every_axiom_has_a_property() {
     for axiom in &REGISTRY {
         let symbolic = PROPERTIES.iter().map(|(id, _)| *id);
-        let mut ids = symbolic.chain(measured::LAWS.iter().map(|(id, _)| *id));
+        let mut ids = symbolic.chain(LAWS.iter().map(|(id, _)| *id));
         assert!(ids.any(|id| id == axiom.id), "{} has no property", axiom.name);
     }
 }

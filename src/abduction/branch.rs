@@ -3,6 +3,7 @@
 use crate::abduction::Assignment;
 use crate::map::{Boundaries, DstateId, Face, PlaceId, PlaceSet, TopologicalMap, path_from_end};
 use crate::star::LargeScaleStar;
+use std::any::Any;
 use std::cell::OnceCell;
 use std::fmt::Debug;
 
@@ -17,6 +18,7 @@ pub struct Branch<'a> {
     path: OnceCell<PlaceSet>,
     face: OnceCell<Face>,
     boundaries: OnceCell<Boundaries>,
+    measured: OnceCell<Box<dyn Any>>,
 }
 
 /// What a child says of one travel. All that was before obeys the axioms.
@@ -71,6 +73,7 @@ impl<'a> Branch<'a> {
             path: OnceCell::new(),
             face: OnceCell::new(),
             boundaries: OnceCell::new(),
+            measured: OnceCell::new(),
         }
     }
 
@@ -92,6 +95,12 @@ impl<'a> Branch<'a> {
     /// What each observation before the travel was taken for. Linear in the observations the first time.
     pub fn visits(&self) -> &[Assignment] {
         self.visits.get_or_init(|| self.lineage.assignments())
+    }
+
+    /// What evidence makes of the branch, whatever is proposed for it: made once, when first asked for. A branch is
+    /// judged by one evidence, which asks for one type; `None` for another.
+    pub fn measured<T: 'static>(&self, make: impl FnOnce() -> T) -> Option<&T> {
+        self.measured.get_or_init(|| Box::new(make())).downcast_ref()
     }
 
     /// The observation after the travel, and those before it that are of some places, ascending.

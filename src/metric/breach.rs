@@ -4,6 +4,7 @@ use crate::abduction::Clash;
 use crate::map::{DstateId, PlaceId};
 use crate::metric::chain::Step;
 use crate::metric::frames::Story;
+use crate::metric::layout::Span;
 use nalgebra::Vector3;
 
 /// What does not agree. Angles in radians, lengths in metres.
@@ -16,9 +17,9 @@ pub(super) enum Breach {
     /// The heading around a loop.
     Heading { off: f64, bound: f64, chain: Vec<Step> },
     /// The displacement around a loop.
-    Loop { off: Vector3<f64>, chi_square: f64, gate: f64, chain: Vec<Step> },
+    Loop { off: Vector3<f64>, chi_square: f64, gate: f64, span: Span },
     /// The spots of two places.
-    Spot { visit: usize, at_most: f64, separation: f64, chain: Vec<Step> },
+    Spot { span: Span, at_most: f64, separation: f64 },
 }
 
 /// An interval of length, and the visit that the travel measured led to.
@@ -67,28 +68,27 @@ impl Breach {
                 );
                 around(story, chain, words)
             }
-            Breach::Loop { off, chi_square, gate, chain } => {
+            Breach::Loop { off, chi_square, gate, span } => {
                 let words = format!(
-                    "the travel ends {:.2} m and {:.1} degrees from where {} other travels put place {}: \
-                     chi-square {chi_square:.1}, gate {gate:.1}",
+                    "the travel ends {:.2} m and {:.1} degrees from where all travels and the loops they closed put \
+                     place {}: chi-square {chi_square:.1}, gate {gate:.1}",
                     off.x.hypot(off.y),
                     off.z.to_degrees(),
-                    travels(chain).len(),
                     story.place(latest),
                 );
-                around(story, chain, words)
+                over(story, *span, words)
             }
-            Breach::Spot { visit, at_most, separation, chain } => {
+            Breach::Spot { span, at_most, separation } => {
                 let words = format!(
-                    "the robot stands at most {at_most:.2} m from where it stood at place {} on observation {visit}, \
-                     by a chain of {} other travels; two places are at least {separation:.2} m apart",
-                    story.place(*visit),
-                    travels(chain).len(),
+                    "by all travels and the loops they closed, the robot stood at place {} on observation {} at most \
+                     {at_most:.2} m from where it stood at place {} on observation {}; two places are at least \
+                     {separation:.2} m apart",
+                    story.place(span.to),
+                    span.to,
+                    story.place(span.from),
+                    span.from,
                 );
-                let mut clash = around(story, chain, words);
-                clash.observations.push(*visit);
-                clash.places.push(story.assignment(*visit).place);
-                sorted(clash)
+                over(story, *span, words)
             }
         }
     }
@@ -111,6 +111,12 @@ fn around(story: &Story<'_>, chain: &[Step], words: String) -> Clash {
     let segments = visits.iter().filter_map(|&visit| story.ends(visit)).collect();
     let observations = visits.iter().flat_map(|&visit| [visit - 1, visit]).collect();
     clash(story, observations, segments, words)
+}
+
+/// A clash of all travels of a span.
+fn over(story: &Story<'_>, span: Span, words: String) -> Clash {
+    let segments = (span.from + 1..=span.to).filter_map(|visit| story.ends(visit)).collect();
+    clash(story, (span.from..=span.to).collect(), segments, words)
 }
 
 fn clash(story: &Story<'_>, observations: Vec<usize>, segments: Vec<[DstateId; 2]>, words: String) -> Clash {

@@ -1,51 +1,40 @@
-//! Axiom `closure`: displacements composed around a loop return to where they began.
+//! Axiom `closure`: displacements composed around every loop return to where they began, all loops taken together.
 //!
-//! A travel that comes to a known place, along a path segment known or new, closes a loop with every chain of
-//! measurements between its ends. It must agree with the least uncertain one: their difference, weighed by the
-//! covariance of both ([`crate::metric::uncertainty`]), stays within the gate. Loops whose travels were all made
-//! before have been judged before. Where bearings do not tell how the place is turned, position alone is judged.
+//! A travel that comes to a known place closes a loop. Where it leads is predicted from all travels so far and from
+//! all loops they closed ([`crate::metric::layout`]), which also tell how odometry drifts. The difference, weighed by
+//! the covariance of the prediction and of the travel, stays within its gate, and together with what it took to close
+//! all loops before within the gate of all. Where bearings do not tell how the place is turned, position alone is
+//! judged.
 
 use crate::abduction::Outcome;
-use crate::geometry::{Pose, wrap_angle};
 use crate::metric::breach::Breach;
-use crate::metric::chain::{Chains, Frame, Step, link};
 use crate::metric::frames::Story;
-use crate::metric::leg::Leg;
-use crate::metric::uncertainty::Composed;
-use nalgebra::{Matrix3, Vector2, Vector3};
+use crate::metric::layout::{Layout, Loop, closed, in_every};
+use nalgebra::Vector2;
 
-/// How far the latest travel is from where the least uncertain chain comes to.
+/// How far the latest travel is from where the layout of all before puts its place, if no share explains it.
 pub(super) fn breach(story: &Story<'_>) -> Option<Breach> {
     if story.outcome == Outcome::NewPlace {
         return None;
     }
     let latest = story.latest();
-    let leg = story.stays[latest].travelled?.leg?;
-    let mut steps = Chains::new(story).to(Frame::Place(story.place(latest)))?;
-    let turned = link(story, latest);
-    steps.push(Step { leg: turned.unwrap_or_else(|| unturned(story)), back: false, travel: None });
-    let chain = Composed::new(steps);
-    let off = difference(&leg.pose, &chain.pose);
-    let direct = Step { leg, back: false, travel: Some(latest) };
-    let gate = match turned {
-        Some(_) => story.parameters.pose_gate,
-        None => story.parameters.position_gate,
+    story.stays[latest].travelled?.leg?;
+    let closing = closed(story, latest)?;
+    in_every(|share| open(story, story.layout(share)?, &closing))?.pop()
+}
+
+/// How the loop does not close in a layout.
+fn open(story: &Story<'_>, layout: &Layout, closing: &Loop) -> Option<Breach> {
+    let (degrees, alone) = match closing.turn {
+        Some(_) => (3, story.parameters.pose_gate),
+        None => (2, story.parameters.position_gate),
     };
-    let uncertainty = chain.against(&direct, gate.sqrt());
-    let chi_square = match turned {
+    let gate = if layout.agrees() { layout.left(degrees, alone) } else { alone };
+    let (off, uncertainty) = layout.off(closing, gate.sqrt())?;
+    let chi_square = match closing.turn {
         Some(_) => uncertainty.of_pose(&off, gate.sqrt()),
         None => uncertainty.of_position(&Vector2::new(off.x, off.y), gate.sqrt()),
     }?;
-    (chi_square > gate).then(|| Breach::Loop { off, chi_square, gate, chain: chain.into_steps() })
-}
-
-/// The position of a visit in the frame of its place, whatever its heading.
-fn unturned(story: &Story<'_>) -> Leg {
-    let extent = story.parameters.extent_sigma.powi(2);
-    let stay = Matrix3::from_diagonal(&Vector3::new(extent, extent, 0.0));
-    Leg { pose: Pose::IDENTITY, odometry: Matrix3::zeros(), stay }
-}
-
-fn difference(a: &Pose, b: &Pose) -> Vector3<f64> {
-    Vector3::new(a.x - b.x, a.y - b.y, wrap_angle(a.theta - b.theta))
+    let open = chi_square > gate || !layout.agrees();
+    open.then_some(Breach::Loop { off, chi_square, gate, span: closing.span })
 }

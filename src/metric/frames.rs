@@ -1,11 +1,13 @@
 //! The visits of a candidate and the frames of its places.
 
-use crate::abduction::{Assignment, Outcome, Proposal};
+use crate::abduction::{Assignment, Branch, Outcome, Proposal};
 use crate::geometry::wrap_angle;
 use crate::map::DstateId;
 use crate::metric::MetricParameters;
+use crate::metric::layout::{Layout, SHARES};
 use crate::metric::measurements::Stay;
 use crate::star::SlotIndex;
+use std::cell::OnceCell;
 
 /// What a child of a candidate says of all visits up to the one proposed for, the last, with what was measured.
 #[derive(Debug)]
@@ -13,6 +15,7 @@ pub(super) struct Story<'a> {
     pub(super) stays: &'a [std::sync::Arc<Stay>],
     pub(super) parameters: &'a MetricParameters,
     pub(super) outcome: Outcome,
+    branch: &'a Branch<'a>,
     before: &'a [Assignment],
     last: Assignment,
     /// The first visit to each place.
@@ -34,7 +37,13 @@ impl<'a> Story<'a> {
                 first.push(visit);
             }
         }
-        Story { stays, parameters, outcome: proposal.outcome, before, last, first }
+        Story { stays, parameters, outcome: proposal.outcome, branch: proposal.branch, before, last, first }
+    }
+
+    /// All visits laid out by the loops closed before the latest travel, under one of [`SHARES`].
+    pub(super) fn layout(&self, share: usize) -> Option<&'a Layout> {
+        let layouts: &[OnceCell<Option<Layout>>; SHARES.len()] = self.branch.measured(Default::default)?;
+        layouts[share].get_or_init(|| Layout::new(self, self.latest(), SHARES[share])).as_ref()
     }
 
     /// The last visit, which is the one proposed for.

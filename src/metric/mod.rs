@@ -2,8 +2,8 @@
 //!
 //! [`Measurements`] holds what was measured on a trace and judges behind [`crate::abduction::Evidence`]. An axiom
 //! is a pure function of the measurements, the assignments of a candidate and what is proposed for one travel: no
-//! candidate carries metric state, so that every order of search gives the same answer. Judging one travel costs
-//! about the number of visits, times its logarithm.
+//! candidate carries metric state, so that every order of search gives the same answer. Judging the children of a
+//! candidate costs about the cube of the loops it has closed, once for all (`layout`).
 //!
 //! All that is measured lies in a graph of two kinds of frames (`chain`): that of each visit, and that of each
 //! place, which is that of its first visit. A travel joins the frames of two visits; a visit is joined to the frame
@@ -22,6 +22,7 @@ mod chain;
 mod closure;
 mod distance;
 mod frames;
+mod layout;
 mod leg;
 mod measurements;
 mod parameters;

@@ -1,0 +1,381 @@
+//! All visits laid out at once: what every loop closed so far says of where they lie and of how odometry drifts.
+//!
+//! The error of a travel has two parts: one of its own, and `L b`, where `L L'` is what odometry has in the covariance
+//! `C` of the travel and `b`, one number for each of three causes (`metric::uncertainty`) with variance one, is the same
+//! on all travels. For length and drift aside either part is as large as the covariance allows both together. For
+//! heading, which leaves most, the share that is the same is in one of a few ranges ([`Share`]), and what is refuted is
+//! refuted under each. In the order of covariances a range bounds every mixture whose shares lie in it and stay; and
+//! so does whatever is linear in errors, predictions from loops closed before among them.
+//!
+//! A loop joins a visit to the first one to the same place. That it closes is a condition on errors: least squares
+//! under conditions (Gauss), linearised where the errors were last thought to be, until they stay. In world
+//! coordinates the error of a travel is a twist at the origin, `A e`, and what it does to a pose at `q` is
+//! `lever(q) A e`: so the covariance of two loops is that of the travels they share, a difference of two sums over
+//! beginnings of the trace. A travel that was not measured ends what is laid out together. With `c` loops a solution
+//! takes `c^3` steps.
+//!
+//! All loops together have a chi-square, and so has each loop or pair of places given those before it. The sum has as
+//! many degrees of freedom as both, so that a test has its own gate and what the gate of the sum leaves it, whichever
+//! is less ([`Layout::left`]).
+
+use crate::geometry::{Pose, Vector, wrap_angle};
+use crate::metric::chain::link;
+use crate::metric::frames::Story;
+use crate::metric::leg::{Leg, lever, rotation};
+use crate::metric::uncertainty::{TAIL, Uncertainty, exceeded, factor, quantile};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+
+/// Two visits; the second one is later.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Span {
+    pub(super) from: usize,
+    pub(super) to: usize,
+}
+
+/// A span that is closed, as both visits are to one place.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Loop {
+    pub(super) span: Span,
+    /// How much more the later visit's frame is turned, where bearings tell.
+    pub(super) turn: Option<f64>,
+    /// The variances of x, y and heading that each of the two visits adds.
+    stay: Vector3<f64>,
+}
+
+/// The visits laid out.
+#[derive(Debug)]
+pub(super) struct Layout {
+    share: Share,
+    legs: Vec<Option<Leg>>,
+    /// The frame of each visit, in that of the first one since the last travel that was not measured.
+    pub(super) poses: Vec<Pose>,
+    loops: Vec<Loop>,
+    /// The errors of the travels to the visits as estimated.
+    errors: Vec<Vector3<f64>>,
+    /// Sums over the travels up to each visit: covariances of own errors, effects of common ones, estimated errors.
+    own: Vec<Matrix3<f64>>,
+    common: Vec<Matrix3<f64>>,
+    sums: Vec<Vector3<f64>>,
+    /// The factor of the covariance of the loops, and what closes them in its units.
+    root: DMatrix<f64>,
+    whitened: DVector<f64>,
+    /// The covariances of loops and headings in its units, a column a visit.
+    headings: DMatrix<f64>,
+}
+
+/// How much of the variance of heading errors is the same on all travels: at most so much, and at most so much is not.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Share {
+    same: f64,
+    own: f64,
+}
+
+/// Ranges of shares. The second one holds all of them; the others do together, each judging less widely.
+pub(super) const SHARES: [Share; 5] = [
+    Share { same: 0.75, own: 0.5 },
+    Share { same: 1.0, own: 1.0 },
+    Share { same: 0.5, own: 0.75 },
+    Share { same: 1.0, own: 0.25 },
+    Share { same: 0.25, own: 1.0 },
+];
+/// Which of the ranges holds all.
+const ANY: usize = 1;
+
+/// What breaks an axiom whatever the share is: in the range that holds all of them, or else in each of the others.
+pub(super) fn in_every<T>(mut breach: impl FnMut(usize) -> Option<T>) -> Option<Vec<T>> {
+    let first = breach(0)?;
+    if let Some(any) = breach(ANY) {
+        return Some(vec![any]);
+    }
+    let others: Option<Vec<T>> = (ANY + 1..SHARES.len()).map(breach).collect();
+    Some([first].into_iter().chain(others?).collect())
+}
+
+impl Share {
+    /// Of a covariance by odometry: what is new on the travel.
+    fn own(self, odometry: &Matrix3<f64>) -> Matrix3<f64> {
+        let heading = factor(odometry).column(2).into_owned();
+        odometry - heading * heading.transpose() * (1.0 - self.own)
+    }
+
+    /// What is the same on all travels: what each cause does.
+    fn same(self, odometry: &Matrix3<f64>) -> Matrix3<f64> {
+        let mut factor = factor(odometry);
+        factor.column_mut(2).scale_mut(self.same.sqrt());
+        factor
+    }
+}
+
+/// Variance of what is not known, square radians.
+const UNKNOWN: f64 = 1e4;
+/// At most so many linearisations, and the change of an error that ends them.
+const ROUNDS: usize = 20;
+const SETTLED: f64 = 1e-6;
+
+impl Layout {
+    /// The layout of all visits of a story by the loops among the first `assigned` ones.
+    pub(super) fn new(story: &Story<'_>, assigned: usize, share: Share) -> Option<Layout> {
+        let loops: Vec<Loop> = (1..assigned).filter_map(|visit| closed(story, visit)).collect();
+        let legs: Vec<Option<Leg>> = (0..=story.latest())
+            .map(|visit| story.stays[visit].travelled.and_then(|travelled| travelled.leg))
+            .collect();
+        let visits = legs.len();
+        let mut layout = Layout {
+            share,
+            legs,
+            poses: vec![Pose::IDENTITY; visits],
+            loops: Vec::new(),
+            errors: vec![Vector3::zeros(); visits],
+            own: vec![Matrix3::zeros(); visits],
+            common: vec![Matrix3::zeros(); visits],
+            sums: vec![Vector3::zeros(); visits],
+            root: DMatrix::zeros(0, 0),
+            whitened: DVector::zeros(0),
+            headings: DMatrix::zeros(0, visits),
+        };
+        layout.place();
+        // A few loops first: they tell the drift that may leave a far end turned around.
+        let mut few = 1;
+        while few < loops.len() {
+            layout.loops = loops[..few].to_vec();
+            layout.adjust()?;
+            few *= 2;
+        }
+        layout.loops = loops;
+        let settled =
+            (0..ROUNDS).try_fold(false, |settled, _| Some(settled || layout.adjust()? < SETTLED))?;
+        layout.solve()?;
+        // Where errors do not come to rest, as no likely ones close the loops, that is all there is to know.
+        (settled || !layout.agrees()).then_some(())?;
+        layout.headings = layout.all_headings()?;
+        Some(layout)
+    }
+
+    /// Chi-square of all loops together, and its degrees of freedom.
+    pub(super) fn chi_square(&self) -> (f64, usize) {
+        let degrees = self.loops.iter().map(|closed| 2 + usize::from(closed.turn.is_some())).sum();
+        (self.whitened.norm_squared(), degrees)
+    }
+
+    /// Whether likely errors close all loops.
+    pub(super) fn agrees(&self) -> bool {
+        let (chi_square, degrees) = self.chi_square();
+        exceeded(chi_square, degrees) >= TAIL
+    }
+
+    /// What the gate of all loops together leaves for a test of so many degrees of freedom, at most its own gate.
+    pub(super) fn left(&self, degrees: usize, gate: f64) -> f64 {
+        let (chi_square, all) = self.chi_square();
+        (quantile(all + degrees) - chi_square).clamp(0.0, gate)
+    }
+
+    /// Whether all travels of the span are measured.
+    pub(super) fn joins(&self, span: Span) -> bool {
+        self.legs[span.from + 1..=span.to].iter().all(Option::is_some)
+    }
+
+    /// How far a loop is from being closed, by all the other loops: the displacement and its uncertainty, which is
+    /// judged at `gate` standard deviations.
+    pub(super) fn off(&self, closing: &Loop, gate: f64) -> Option<(Vector3<f64>, Uncertainty)> {
+        let span = closing.span;
+        let known = self.known(span, Some(closing))?;
+        let mean = self.condition(closing) - known.transpose() * &self.whitened;
+        let covariance = self.shared(span, span) + self.stays(closing, closing) - known.transpose() * &known;
+        let moves = lever(&at(&self.poses[span.to]));
+        let covariance = moves * covariance * moves.transpose();
+        Some((moves * mean, Uncertainty { covariance, slack: self.slack(span, gate) }))
+    }
+
+    /// The uncertainty of where a visit lies, seen from an earlier one.
+    pub(super) fn between(&self, span: Span, gate: f64) -> Option<Uncertainty> {
+        let known = self.known(span, None)?;
+        let moves = lever(&at(&self.poses[span.to]));
+        let covariance = moves * (self.shared(span, span) - known.transpose() * &known) * moves.transpose();
+        Some(Uncertainty { covariance, slack: self.slack(span, gate) })
+    }
+
+    /// What first order leaves out between two visits (Taylor), metres: the least of what it leaves out along any
+    /// chain of travels and of visits to one place (Dijkstra).
+    fn slack(&self, span: Span, gate: f64) -> f64 {
+        let swings = self.swings(span.from, gate);
+        let mut best = vec![f64::INFINITY; self.poses.len()];
+        let mut open: Vec<usize> = (0..best.len()).collect();
+        best[span.from] = 0.0;
+        while let Some(at) = open.iter().copied().min_by(|&a, &b| best[a].total_cmp(&best[b])) {
+            if at == span.to || best[at].is_infinite() {
+                break;
+            }
+            open.retain(|&visit| visit != at);
+            let mut reach = |to: usize, by: f64| best[to] = best[to].min(best[at] + by);
+            if let Some(swing) = swings[at] {
+                reach(at - 1, swing);
+            }
+            if let Some(Some(swing)) = swings.get(at + 1) {
+                reach(at + 1, *swing);
+            }
+            for Loop { span: Span { from, to }, .. } in &self.loops {
+                if *from == at {
+                    reach(*to, 0.0);
+                } else if *to == at {
+                    reach(*from, 0.0);
+                }
+            }
+        }
+        best[span.to]
+    }
+
+    /// What first order leaves out of the travel to each visit, seen from one of them.
+    fn swings(&self, from: usize, gate: f64) -> Vec<Option<f64>> {
+        let swing = |visit: usize| {
+            let (leg, before) = (self.legs[visit]?, visit - 1);
+            let known = self.headings.column(before) - self.headings.column(from);
+            let span = Span { from: from.min(before), to: from.max(before) };
+            let variance = (self.shared(span, span).m33 - known.norm_squared()).max(0.0);
+            Some(leg.pose.x.hypot(leg.pose.y) * gate * gate * variance / 2.0)
+        };
+        (0..self.legs.len()).map(swing).collect()
+    }
+
+    /// Lays out the visits by the errors as estimated.
+    fn place(&mut self) {
+        for visit in 1..self.poses.len() {
+            let before = visit - 1;
+            let Some(leg) = self.legs[visit] else {
+                self.poses[visit] = Pose::IDENTITY;
+                (self.own[visit], self.common[visit], self.sums[visit]) =
+                    (self.own[before], self.common[before], self.sums[before]);
+                continue;
+            };
+            let error = self.errors[visit];
+            let gone = Pose::new(leg.pose.x - error.x, leg.pose.y - error.y, leg.pose.theta - error.z);
+            self.poses[visit] = self.poses[before].compose(&gone);
+            let moves = lever(&-at(&self.poses[visit])) * rotation(self.poses[before].theta);
+            self.own[visit] =
+                self.own[before] + moves * (self.share.own(&leg.odometry) + leg.stay) * moves.transpose();
+            self.common[visit] = self.common[before] + moves * self.share.same(&leg.odometry);
+            self.sums[visit] = self.sums[before] + moves * error;
+        }
+    }
+
+    /// The covariance of the loops, factored, and their conditions.
+    fn solve(&mut self) -> Option<()> {
+        let size = 3 * self.loops.len();
+        let (mut covariance, mut conditions) = (DMatrix::zeros(size, size), DVector::zeros(size));
+        for (i, one) in self.loops.iter().enumerate() {
+            conditions.fixed_rows_mut::<3>(3 * i).copy_from(&self.condition(one));
+            for (j, other) in self.loops[..=i].iter().enumerate() {
+                let entry = self.shared(one.span, other.span) + self.stays(one, other);
+                covariance.fixed_view_mut::<3, 3>(3 * i, 3 * j).copy_from(&entry);
+            }
+        }
+        self.root = covariance.cholesky()?.unpack();
+        self.root.solve_lower_triangular_mut(&mut conditions).then_some(())?;
+        self.whitened = conditions;
+        Some(())
+    }
+
+    /// Estimates the errors anew; the largest change.
+    fn adjust(&mut self) -> Option<f64> {
+        self.solve()?;
+        let mut pull = self.whitened.clone();
+        self.root.tr_solve_lower_triangular_mut(&mut pull).then_some(())?;
+        let mut bias = Vector3::zeros();
+        // What starts and ends to pull at each visit.
+        let mut pulls = vec![Vector3::zeros(); self.poses.len() + 1];
+        for (i, Loop { span, .. }) in self.loops.iter().enumerate() {
+            let pull: Vector3<f64> = pull.fixed_rows::<3>(3 * i).into_owned();
+            bias += (self.common[span.to] - self.common[span.from]).transpose() * pull;
+            pulls[span.from + 1] += pull;
+            pulls[span.to + 1] -= pull;
+        }
+        let (mut pulled, mut change) = (Vector3::zeros(), 0.0_f64);
+        for (visit, pull) in pulls.iter().enumerate().take(self.poses.len()) {
+            pulled += pull;
+            let Some(leg) = self.legs[visit] else { continue };
+            let moves = lever(&-at(&self.poses[visit])) * rotation(self.poses[visit - 1].theta);
+            let error = (self.share.own(&leg.odometry) + leg.stay) * moves.transpose() * pulled
+                + self.share.same(&leg.odometry) * bias;
+            change = change.max((error - self.errors[visit]).amax());
+            self.errors[visit] = error;
+        }
+        self.place();
+        Some(change)
+    }
+
+    /// What the errors of a loop, linearised, come to.
+    fn condition(&self, closing: &Loop) -> Vector3<f64> {
+        let Span { from, to } = closing.span;
+        let (begin, end) = (&self.poses[from], &self.poses[to]);
+        let turn = closing.turn.map_or(0.0, |turn| wrap_angle(end.theta - begin.theta - turn));
+        let off = Vector3::new(end.x - begin.x, end.y - begin.y, turn);
+        lever(&-at(end)) * off + self.sums[to] - self.sums[from]
+    }
+
+    /// The covariance of the errors of two spans.
+    fn shared(&self, one: Span, other: Span) -> Matrix3<f64> {
+        let common = |span: Span| self.common[span.to] - self.common[span.from];
+        let (from, to) = (one.from.max(other.from), one.to.min(other.to));
+        let own = if from < to { self.own[to] - self.own[from] } else { Matrix3::zeros() };
+        own + common(one) * common(other).transpose()
+    }
+
+    /// The covariance that two loops have of the visits they have in common.
+    fn stays(&self, one: &Loop, other: &Loop) -> Matrix3<f64> {
+        let of = |visit: usize, closing: &Loop| {
+            let moves = lever(&-at(&self.poses[visit]));
+            moves * Matrix3::from_diagonal(&closing.stay) * moves.transpose()
+        };
+        let mut covariance = Matrix3::zeros();
+        if one.span.from == other.span.from {
+            covariance += of(one.span.from, one);
+        }
+        if one.span.to == other.span.to {
+            covariance += of(one.span.to, one);
+            if one.turn.is_none() {
+                let moves = lever(&-at(&self.poses[one.span.to]));
+                covariance +=
+                    moves * Matrix3::from_diagonal(&Vector3::new(0.0, 0.0, UNKNOWN)) * moves.transpose();
+            }
+        }
+        covariance
+    }
+
+    /// The covariance of the loops and a span, in units of the loops.
+    fn known(&self, span: Span, closing: Option<&Loop>) -> Option<DMatrix<f64>> {
+        let mut covariance = DMatrix::zeros(3 * self.loops.len(), 3);
+        for (i, one) in self.loops.iter().enumerate() {
+            let stays = closing.map_or(Matrix3::zeros(), |closing| self.stays(one, closing));
+            let entry = self.shared(one.span, span) + stays;
+            covariance.fixed_view_mut::<3, 3>(3 * i, 0).copy_from(&entry);
+        }
+        self.root.solve_lower_triangular_mut(&mut covariance).then_some(covariance)
+    }
+
+    fn all_headings(&self) -> Option<DMatrix<f64>> {
+        let mut covariance = DMatrix::zeros(3 * self.loops.len(), self.poses.len());
+        for (i, one) in self.loops.iter().enumerate() {
+            for to in 0..self.poses.len() {
+                let column: Matrix3<f64> = self.shared(one.span, Span { from: 0, to });
+                covariance.fixed_view_mut::<3, 1>(3 * i, to).copy_from(&column.column(2));
+            }
+        }
+        self.root.solve_lower_triangular_mut(&mut covariance).then_some(covariance)
+    }
+}
+
+/// The loop that a visit closes with the first one to its place since the last travel that was not measured.
+pub(super) fn closed(story: &Story<'_>, visit: usize) -> Option<Loop> {
+    let measured =
+        |&visit: &usize| story.stays[visit].travelled.is_some_and(|travelled| travelled.leg.is_some());
+    let since = (1..=visit).rev().find(|visit| !measured(visit)).unwrap_or(0);
+    let from = (since..visit).find(|&before| story.place(before) == story.place(visit))?;
+    let turns = link(story, visit).zip(link(story, from));
+    let extent = story.parameters.extent_sigma.powi(2);
+    let stay = Vector3::new(extent, extent, story.parameters.bearing_sigma.powi(2));
+    let turn = turns.map(|(to, from)| to.pose.theta - from.pose.theta);
+    Some(Loop { span: Span { from, to: visit }, turn, stay })
+}
+
+fn at(pose: &Pose) -> Vector {
+    pose.position().coords
+}
