@@ -19,8 +19,8 @@ pub(super) struct Ground {
     pub(super) broken: Option<AxiomId>,
 }
 
-/// The most pairs of classes compared for a row: some milliseconds.
-const MOST_COMPARED: u64 = 1 << 20;
+/// The most pairs of classes compared for a row: a millisecond or two.
+const MOST_COMPARED: u64 = 1 << 18;
 
 impl Ground {
     /// Goes on to a visit. Linear in the visits, times folding. To be called when nothing is decided.

@@ -275,9 +275,9 @@ impl Location {
             let far = self.far[walk.dstate(place, wrapped(segment.slot + rotation, size))];
             let (other, slot) = walk.place_of(far as usize);
             let beyond = walk.size(other);
-            let turn = wrapped(slot + beyond - segment.gateway, beyond);
+            let turn = || wrapped(slot + beyond - segment.gateway, beyond);
             let fits = walk.size(segment.next) == beyond
-                && (!walk.tracked(other) || quotient.alike(segment.next, other) >> turn & 1 == 1);
+                && (!walk.tracked(other) || quotient.alike(segment.next, other) >> turn() & 1 == 1);
             left &= !(Rotations::from(!fits) << rotation);
         }
         left

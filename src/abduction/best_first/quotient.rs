@@ -87,8 +87,11 @@ impl Quotient {
     pub(super) fn commit(&mut self) {
         let Quotient { name, turn, next, far, filled, settled, count, alike, .. } = self;
         [name, next].into_iter().for_each(Trailed::commit);
-        (turn.commit(), far.commit(), settled.commit(), count.commit());
         [filled, alike].into_iter().for_each(Trailed::commit);
+        turn.commit();
+        far.commit();
+        settled.commit();
+        count.commit();
     }
 
     /// Back to what is for good.
