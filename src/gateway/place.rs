@@ -10,8 +10,8 @@ use petgraph::graph::NodeIndex;
 const BEND_SIGHT: f64 = 6.0;
 
 /// The middle of the place: the junction whose circle of clearance holds the point or is nearest to it, with the
-/// greatest clearance among such, or the widest point of a bend of the way beside the point, if that is nearer and its circle
-/// does not meet that of the junction; without either in reach, the widest point of that way.
+/// greatest clearance among such, or the widest point of a bend of the way beside the point, if that is nearer and
+/// its circle does not meet that of the junction; without either in reach, the widest point of that way.
 pub(super) fn place_center(
     graph: &mut SkeletonGraph,
     distance: &DistanceField,
