@@ -56,8 +56,8 @@ pub(super) fn as_seen(visits: &[Visit], stars: &[Option<LargeScaleStar>]) -> usi
 /// How many visits have a star that lies on that of every other visit to the same place.
 pub(super) fn alike(visits: &[Visit], stars: &[Option<LargeScaleStar>]) -> usize {
     let same = |k: usize| {
-        let others = (0..visits.len()).filter(|&j| j != k && visits[j].place == visits[k].place);
-        others.map(|j| same_star(&stars[k], &stars[j])).all(|same| same)
+        let mut others = (0..visits.len()).filter(|&j| j != k && visits[j].place == visits[k].place);
+        others.all(|j| same_star(&stars[k], &stars[j]))
     };
     (0..visits.len()).filter(|&k| same(k)).count()
 }
