@@ -5,14 +5,17 @@ mod shapes;
 use proptest::prelude::*;
 use shapes::Shape;
 use std::f64::consts::TAU;
-use topostar::geometry::{Pose, direction};
-use topostar::grid::{Cell, GridInfo, OccupancyGrid};
+use topostar::geometry::{Point, Pose, Vector, direction};
+use topostar::grid::{Cell, DistanceField, GridInfo, OccupancyGrid};
 use topostar::lpm::Lpm;
 use topostar::star::{
     ControlLaw, Direction, GatewayId, LargeSlot, PerceptionParameters, PlaceDescription, SlotIndex,
     SmallScaleStar, describe,
 };
 use topostar::worlds::drawing::{Drawing, window};
+
+/// Walls are seen up to so far from where they are, metres: the error of a laser scanner.
+const NOISE: f64 = 0.05;
 
 /// How a place is laid on a grid.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +28,16 @@ struct Laying {
 }
 
 fn look(plan: &Drawing, robot: &Pose, laying: &Laying) -> Result<PlaceDescription, String> {
+    look_through(plan, robot, laying, |grid| grid)
+}
+
+/// What is seen where something happens to the grid.
+fn look_through(
+    plan: &Drawing,
+    robot: &Pose,
+    laying: &Laying,
+    change: impl FnOnce(OccupancyGrid) -> OccupancyGrid,
+) -> Result<PlaceDescription, String> {
     let robot_pose = laying.frame_from_plan.compose(robot);
     let middle = laying.frame_from_plan.position();
     let info = window(20.0, laying.resolution, middle, laying.turned);
@@ -33,7 +46,46 @@ fn look(plan: &Drawing, robot: &Pose, laying: &Laying) -> Result<PlaceDescriptio
     let info =
         GridInfo { origin: Pose::new(info.origin.x.round(), info.origin.y.round(), laying.turned), ..info };
     let grid = plan.render(&info, &robot_pose.position()).map_err(|error| error.to_string())?;
-    describe(&Lpm::new(grid, robot_pose), &PerceptionParameters::default()).map_err(|error| error.to_string())
+    let lpm = Lpm::new(change(grid), robot_pose);
+    describe(&lpm, &PerceptionParameters::default()).map_err(|error| error.to_string())
+}
+
+/// Walls that are not where they should be: every cell is looked up elsewhere, by up to so many metres along a wave each
+/// of the waves' directions and lengths, so that walls stay whole.
+fn waved(grid: &OccupancyGrid, bound: f64, waves: &[(f64, f64, f64)]) -> OccupancyGrid {
+    let info = grid.info();
+    let cell = |i: usize| {
+        let at = info.center(info.index(i));
+        let shift = waves.iter().fold(Vector::zeros(), |shift, &(angle, length, phase)| {
+            let along = direction(angle);
+            shift
+                + along * ((at.coords.dot(&along) / length * TAU + phase).sin() * bound / waves.len() as f64)
+        });
+        info.cell_at(&(at + shift)).map_or(Cell::Unknown, |at| grid.cell(at))
+    };
+    OccupancyGrid::new(*info, (0..grid.cells().len()).map(cell).collect()).unwrap()
+}
+
+/// The grid with free patches made unknown, a disc each around the free cell at a share of all; discs that would touch
+/// what is not free are left out, and so are those that would touch one another.
+fn erased(grid: &OccupancyGrid, discs: &[(f64, f64)]) -> OccupancyGrid {
+    let info = grid.info();
+    let distance = DistanceField::new(grid);
+    let free: Vec<usize> = (0..grid.cells().len()).filter(|&i| grid.cells()[i] == Cell::Free).collect();
+    let mut cells = grid.cells().to_vec();
+    let mut done: Vec<(Point, f64)> = Vec::new();
+    for &(share, radius) in discs {
+        let middle = info.index(free[(share * (free.len() - 1) as f64) as usize]);
+        let at = info.center(middle);
+        let apart = |&(other, reach): &(Point, f64)| (other - at).norm() > reach + radius + 0.3;
+        if distance.clearance(middle) < radius + 0.2 || !done.iter().all(apart) {
+            continue;
+        }
+        done.push((at, radius));
+        let inside = |&&i: &&usize| (info.center(info.index(i)) - at).norm() <= radius;
+        free.iter().filter(inside).for_each(|&i| cells[i] = Cell::Unknown);
+    }
+    OccupancyGrid::new(*info, cells).unwrap()
 }
 
 fn print(star: &SmallScaleStar) -> String {
@@ -132,6 +184,34 @@ proptest! {
         let star = look(&shape.plan, &arrival, &laying).unwrap().star.large_scale();
         let mirror = look(&shape.plan.mirrored(), &turned_back, &laying).unwrap().star.large_scale();
         prop_assert_eq!(mirrored(star.slots()), mirror.slots().to_vec(), "{}", shape.name);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    #[test]
+    fn a_place_reads_alike_through_noise(
+        which in 0usize..1000,
+        laying in any_laying(),
+        waves in prop::collection::vec((0.0..TAU, 0.3..1.5, 0.0..TAU), 4),
+    ) {
+        let shapes = shapes::all();
+        let shape = &shapes[which % shapes.len()];
+        let noisy = look_through(&shape.plan, &shape.arrivals[0], &laying, |grid| waved(&grid, NOISE, &waves));
+        prop_assert_eq!(print(&noisy.map_err(TestCaseError::fail)?.star), shape.star, "{}", shape.name);
+    }
+
+    #[test]
+    fn a_place_reads_alike_where_patches_were_not_seen(
+        which in 0usize..1000,
+        laying in any_laying(),
+        discs in prop::collection::vec((0.0..1.0, 0.05..0.25), 12),
+    ) {
+        let shapes = shapes::all();
+        let shape = &shapes[which % shapes.len()];
+        let seen = look_through(&shape.plan, &shape.arrivals[0], &laying, |grid| erased(&grid, &discs));
+        prop_assert_eq!(print(&seen.map_err(TestCaseError::fail)?.star), shape.star, "{}", shape.name);
     }
 }
 

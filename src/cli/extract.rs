@@ -33,7 +33,8 @@ pub(super) struct Extract {
     /// Side of a pixel of an image, metres; the image's bottom-left corner is the origin.
     #[arg(long, default_value_t = 0.05, value_parser = metres)]
     resolution: f64,
-    /// The narrowest way that counts as one, metres: 0.8 for office doors. Below a metre rooms count as places to go to.
+    /// The narrowest way that counts as one, metres: 0.65 for a robot that goes through office
+    /// doors. Below a metre rooms count as places to go to.
     #[arg(long, value_name = "METRES", value_parser = metres)]
     passage_width: Option<f64>,
     /// The arrivals in a log: CSV with the columns place,raw_scan_index.

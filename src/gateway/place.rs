@@ -10,8 +10,8 @@ use petgraph::graph::NodeIndex;
 const BEND_SIGHT: f64 = 6.0;
 
 /// The middle of the place: the junction whose circle of clearance holds the point or is nearest to it, with the
-/// greatest clearance among such, or the widest point of a bend of the way beside the point, if that is nearer; without
-/// either in reach, the widest point of that way.
+/// greatest clearance among such, or the widest point of a bend of the way beside the point, if that is nearer and
+/// its circle does not meet that of the junction; without either in reach, the widest point of that way.
 pub(super) fn place_center(
     graph: &mut SkeletonGraph,
     distance: &DistanceField,
@@ -21,11 +21,14 @@ pub(super) fn place_center(
     let way = nearest_way(graph, distance, near)?;
     let bend = way.bend(distance, near, parameters);
     let junction = junction(graph, distance, near, parameters);
-    let away = |cell: CellIndex| gap(distance, cell, near);
+    let before = |bend: CellIndex, node: NodeIndex| {
+        let junction = graph.graph[node].cell;
+        let between = (distance.info().center(junction) - distance.info().center(bend)).norm();
+        let meet = between < distance.clearance(junction) + distance.clearance(bend);
+        !meet && gap(distance, bend, near) < gap(distance, junction, near)
+    };
     match junction {
-        Some(node) if bend.is_none_or(|bend| away(graph.graph[node].cell) <= away(bend)) => {
-            Some(climb(graph, distance, node))
-        }
+        Some(node) if bend.is_none_or(|bend| !before(bend, node)) => Some(climb(graph, distance, node)),
         _ => {
             let cell = bend.or_else(|| way.middle(distance, parameters))?;
             graph.ensure_node(cell, distance)

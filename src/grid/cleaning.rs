@@ -15,13 +15,13 @@ pub struct CleaningParameters {
     /// Unknown patches without an obstacle in them below this area are shadows between rays. Default 0.25.
     pub shadow: f64,
     /// Obstacles that stand free and are nowhere longer than this do not part the ways around them: posts, legs,
-    /// chairs. A wall is longer, however thin. Default 0.5.
+    /// chairs. A wall is longer, however thin. Default 0.7.
     pub post: f64,
 }
 
 impl Default for CleaningParameters {
     fn default() -> Self {
-        CleaningParameters { gap: 0.2, stray: 0.015, shadow: 0.25, post: 0.5 }
+        CleaningParameters { gap: 0.2, stray: 0.015, shadow: 0.25, post: 0.7 }
     }
 }
 
@@ -248,7 +248,8 @@ mod tests {
     #[test]
     fn gaps_between_rays_are_filled_and_walls_are_not() {
         assert_eq!(cleaned(&["???????", ".?.??.?", "???????"])[1], "...??.?");
-        assert_eq!(cleaned(&["??.??", "?????", "??.#."]), ["??.??", "??.??", "??.?."]);
+        assert_eq!(cleaned(&["??.??", "?????", "??.??"]), ["??.??", "??.??", "??.??"]);
+        assert_eq!(cleaned(&["??.??", "?????", "??.#."]), ["??.??", "?????", "??.?."]);
         assert_eq!(cleaned(&["#####", ".###.", ".???."]), ["#####", ".###.", ".???."]);
     }
 

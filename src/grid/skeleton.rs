@@ -61,9 +61,10 @@ impl Default for SkeletonParameters {
 }
 
 impl SkeletonParameters {
-    /// For a robot that goes through office doors and into rooms.
+    /// For a robot that goes through office doors and into rooms, wherever it fits: a passage is as wide as the robot
+    /// and a cell of 5 cm.
     pub fn for_doors() -> Self {
-        SkeletonParameters { passage_width: 0.8, room_ratio: Some(1.5), ..SkeletonParameters::default() }
+        SkeletonParameters { passage_width: 0.65, room_ratio: Some(1.5), ..SkeletonParameters::default() }
     }
 }
 

@@ -5,10 +5,10 @@ use bzip2::read::MultiBzDecoder;
 use std::fs::{self, File};
 use std::io::BufReader;
 use topostar::lpm::Lpm;
-use topostar::sensor::CarmenLog;
+use topostar::sensor::log::{LogOptions, carmen_scans};
 use topostar::star::{LargeScaleStar, PerceptionParameters, describe};
-use topostar::trace::recording::{Arrival, RecordingParameters, cut};
-use topostar::trace::{EventKind, Percept};
+use topostar::trace::recording::Arrival;
+use topostar::visit::{AnnotatedVisits, Stage, VisitParameters};
 
 /// A visit: the place's name, and what was seen.
 pub(super) struct Visit {
@@ -16,26 +16,20 @@ pub(super) struct Visit {
     pub(super) lpm: Lpm,
 }
 
-/// The 15 visits of the log.
+/// The 15 visits of the log, at the arrivals that the list marks.
 pub(super) fn load() -> Vec<Visit> {
     let file = File::open(data("logs/aces.clf.bz2")).unwrap();
-    let log = CarmenLog::read(BufReader::new(MultiBzDecoder::new(file))).unwrap();
+    let log = BufReader::new(MultiBzDecoder::new(file));
+    let (scans, fault) = carmen_scans(log, LogOptions::default()).read_all();
+    assert!(fault.is_none(), "{fault:?}");
     let list = fs::read_to_string(data("logs/aces-visits.csv")).unwrap();
     let arrivals = Arrival::read_csv(&list).unwrap();
-    let mut way = None;
-    let mut lpms = Vec::new();
-    for event in cut(&log.scans, &arrivals, &RecordingParameters::default()).unwrap() {
-        match event.kind {
-            EventKind::Travel(travel) => way = Some(travel),
-            EventKind::Observation(seen) => {
-                let Percept::Lpm(lpm) = seen.percept else { panic!("an observation without a grid") };
-                let trail = way.take().map(|way| way.trail(&lpm.robot_pose)).unwrap_or_default();
-                lpms.push(Lpm { trail, ..lpm });
-            }
-            _ => {}
-        }
-    }
-    arrivals.into_iter().zip(lpms).map(|(arrival, lpm)| Visit { place: arrival.place, lpm }).collect()
+    let marks = arrivals.iter().map(|arrival| arrival.scan).collect();
+    let mut visits = AnnotatedVisits::new(marks, &VisitParameters::default()).unwrap();
+    let mut stages: Vec<Stage> = scans.iter().filter_map(|scan| visits.add(scan)).collect();
+    stages.extend(visits.finish().unwrap());
+    let visit = |(arrival, stage): (Arrival, Stage)| Visit { place: arrival.place, lpm: stage.visit.lpm };
+    arrivals.into_iter().zip(stages).map(visit).collect()
 }
 
 pub(super) fn stars(visits: &[Visit], parameters: &PerceptionParameters) -> Vec<Option<LargeScaleStar>> {
@@ -62,8 +56,8 @@ pub(super) fn as_seen(visits: &[Visit], stars: &[Option<LargeScaleStar>]) -> usi
 /// How many visits have a star that lies on that of every other visit to the same place.
 pub(super) fn alike(visits: &[Visit], stars: &[Option<LargeScaleStar>]) -> usize {
     let same = |k: usize| {
-        let others = (0..visits.len()).filter(|&j| j != k && visits[j].place == visits[k].place);
-        others.map(|j| same_star(&stars[k], &stars[j])).all(|same| same)
+        let mut others = (0..visits.len()).filter(|&j| j != k && visits[j].place == visits[k].place);
+        others.all(|j| same_star(&stars[k], &stars[j]))
     };
     (0..visits.len()).filter(|&k| same(k)).count()
 }

@@ -5,7 +5,6 @@ use crate::doors::{self, with_doors};
 use crate::maps;
 use crate::openings::Tally;
 use crate::stability::{MAPS, places};
-use topostar::geometry::Pose;
 use topostar::lpm::Lpm;
 use topostar::star::{LargeScaleStar, PerceptionParameters, describe};
 
@@ -83,9 +82,7 @@ fn windows() -> Vec<Lpm> {
     for (file, resolution) in MAPS {
         let map = maps::grid(file, resolution);
         let found = places(&map, &default);
-        windows.extend(
-            found.iter().map(|place| maps::lpm(&map, &Pose::new(place.middle.x, place.middle.y, 0.0))),
-        );
+        windows.extend(found.iter().map(|place| maps::lpm(&map, &place.robot)));
     }
     windows
 }

@@ -25,6 +25,8 @@ const LATTICE: f64 = 4.0;
 const SAME_PLACE: f64 = 2.0;
 /// The robot must have this much room where it stands, metres.
 const ROOM: f64 = 0.5;
+/// Stars are told apart by their least margins, between these bounds.
+const CLASSES: [f64; 5] = [0.0, 0.05, 0.1, 0.2, f64::INFINITY];
 /// How often each place is laid anew.
 const LAYINGS: usize = 2;
 
@@ -32,6 +34,10 @@ const LAYINGS: usize = 2;
 pub(super) struct Place {
     pub(super) middle: Point,
     pub(super) star: LargeScaleStar,
+    /// Where the robot stood that saw it.
+    pub(super) robot: Pose,
+    /// The least margin of its slots.
+    margin: f64,
 }
 
 /// What is done to a window.
@@ -59,9 +65,15 @@ pub(super) fn print() {
     println!("  {:44} places {names}   centre within 0.5 m", "");
     let parameters = PerceptionParameters::default();
     let mut total = [[(0, 0); CHANGES.len() + 1]; 2];
+    let mut by_margin = [[(0, 0); CHANGES.len() + 1]; CLASSES.len() - 1];
     for (file, resolution) in MAPS {
         let map = maps::grid(file, resolution);
         let places = places(&map, &parameters);
+        for (class, total) in by_margin.iter_mut().enumerate() {
+            let sure = |place: &&Place| CLASSES[class] <= place.margin && place.margin < CLASSES[class + 1];
+            let row = survive(&map, &places.iter().filter(sure).collect::<Vec<_>>(), &parameters);
+            total.iter_mut().zip(row).for_each(|(sum, one)| *sum = (sum.0 + one.0, sum.1 + one.1));
+        }
         for (group, name) in ["decisions", "through"].into_iter().enumerate() {
             let group_places: Vec<&Place> =
                 places.iter().filter(|place| through(place) == (group == 1)).collect();
@@ -72,6 +84,9 @@ pub(super) fn print() {
     }
     print_row("all decisions", &total[0]);
     print_row("all through", &total[1]);
+    for (class, row) in by_margin.iter().enumerate() {
+        print_row(&format!("least margin from {} to {}", CLASSES[class], CLASSES[class + 1]), row);
+    }
 }
 
 fn print_row(name: &str, row: &[(usize, usize)]) {
@@ -104,7 +119,8 @@ pub(super) fn places(map: &OccupancyGrid, parameters: &PerceptionParameters) -> 
         }
         let there = Pose::new(first.center.x, first.center.y, 0.0);
         let Ok(place) = describe(&maps::lpm(map, &there), parameters) else { continue };
-        places.push(Place { middle: place.center, star: place.star.large_scale() });
+        let margin = place.star.slots().iter().filter_map(|slot| slot.margin).fold(f64::INFINITY, f64::min);
+        places.push(Place { robot: there, middle: place.center, star: place.star.large_scale(), margin });
     }
     places
 }
@@ -126,9 +142,8 @@ fn survive(
                 let same = same_star(&Some(place.star.clone()), &star);
                 if let (false, Some(seen)) = (same, &seen) {
                     let at = format!("{:.1},{:.1}", place.middle.x, place.middle.y);
-                    let there = Pose::new(place.middle.x, place.middle.y, 0.0);
-                    if let Ok(before) = describe(&maps::lpm(map, &there), parameters) {
-                        maps::draw(&before, &there, &format!("{at}-before"));
+                    if let Ok(before) = describe(&maps::lpm(map, &place.robot), parameters) {
+                        maps::draw(&before, &place.robot, &format!("{at}-before"));
                     }
                     maps::draw(seen, &lpm.robot_pose, &format!("{at}-{name}-{laying}"));
                 }
@@ -156,7 +171,7 @@ fn changed(map: &OccupancyGrid, place: &Place, change: Change, random: &mut Rand
         Change::Noisy | Change::All => 2.0 * map.info().resolution,
         _ => 0.0,
     };
-    let mut robot = place.middle;
+    let mut robot = place.robot.position();
     if let Change::Elsewhere = change {
         robot = (0..100)
             .map(|_| place.middle + direction(random.within(TAU / 2.0)) * (0.3 + random.within(0.3)))
