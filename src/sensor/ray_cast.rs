@@ -21,19 +21,34 @@ pub struct EvidenceGrid {
     odds: Vec<f32>,
     /// The scan that last hit a cell, so that no beam of the same scan frees it again.
     last_hit: Vec<u32>,
+    /// How far the robot had driven when a beam last met a cell, metres.
+    met: Vec<f32>,
+    driven: f32,
+    memory: f32,
     scans: u32,
 }
 
 impl EvidenceGrid {
-    /// A grid without evidence.
-    pub fn new(info: GridInfo) -> Self {
+    /// A grid without evidence, which forgets what the robot saw so many metres of driving ago: it would lie where the
+    /// robot then thought it was.
+    pub fn new(info: GridInfo, memory: f64) -> Self {
         let cells = info.width * info.height;
-        EvidenceGrid { info, odds: vec![0.0; cells], last_hit: vec![0; cells], scans: 0 }
+        EvidenceGrid {
+            info,
+            odds: vec![0.0; cells],
+            last_hit: vec![0; cells],
+            met: vec![0.0; cells],
+            driven: 0.0,
+            memory: memory as f32,
+            scans: 0,
+        }
     }
 
-    /// Adds a scan taken at a pose of the robot in the grid's frame. Linear in the cells that the beams cross.
-    pub fn add(&mut self, scan: &LaserScan, grid_from_robot: &Pose) {
+    /// Adds a scan taken at a pose of the robot in the grid's frame, when it had driven so many metres. Linear in the
+    /// cells that the beams cross.
+    pub fn add(&mut self, scan: &LaserScan, grid_from_robot: &Pose, driven: f64) {
         self.scans += 1;
+        self.driven = driven as f32;
         let from = grid_from_robot.transform_point(&scan.robot_from_laser.position());
         let ends: Vec<(Point, bool)> =
             scan.hits().map(|hit| shorten(&from, &grid_from_robot.transform_point(&hit))).collect();
@@ -71,6 +86,7 @@ impl EvidenceGrid {
         };
         let cells = || (0..height).flat_map(|y| (0..width).map(move |x| from(x, y)));
         self.odds = cells().map(|at| at.map_or(0.0, |at| self.odds[at])).collect();
+        self.met = cells().map(|at| at.map_or(0.0, |at| self.met[at])).collect();
         self.last_hit = cells().map(|at| at.map_or(0, |at| self.last_hit[at])).collect();
         let corner = Point::new(dx as f64 * resolution, dy as f64 * resolution);
         let corner = origin.transform_point(&corner);
@@ -101,7 +117,7 @@ impl EvidenceGrid {
         OccupancyGrid::check(&info)?;
         let cell = |x: usize, y: usize| {
             let (x, y) = (x.checked_add_signed(first[0])?, y.checked_add_signed(first[1])?);
-            (x < width && y < height).then(|| decided(self.odds[y * width + x]))
+            (x < width && y < height).then(|| self.decided(y * width + x))
         };
         let cells = (0..cells).flat_map(|y| (0..cells).map(move |x| cell(x, y).unwrap_or(Cell::Unknown)));
         OccupancyGrid::new(info, cells.collect())
@@ -109,7 +125,7 @@ impl EvidenceGrid {
 
     /// What is decided by now.
     pub fn occupancy(&self) -> Vec<Cell> {
-        self.odds.iter().map(|&odds| decided(odds)).collect()
+        (0..self.odds.len()).map(|at| self.decided(at)).collect()
     }
 
     /// The decided cells as a grid.
@@ -119,19 +135,26 @@ impl EvidenceGrid {
 
     fn learn(&mut self, cell: CellIndex, evidence: f32) {
         let at = self.offset(cell);
-        self.odds[at] = (self.odds[at] + evidence).clamp(-LIMIT, LIMIT);
+        let known = if self.is_forgotten(at) { 0.0 } else { self.odds[at] };
+        self.odds[at] = (known + evidence).clamp(-LIMIT, LIMIT);
+        self.met[at] = self.driven;
+    }
+
+    fn decided(&self, at: usize) -> Cell {
+        match self.odds[at] {
+            _ if self.is_forgotten(at) => Cell::Unknown,
+            odds if odds > DECIDED => Cell::Occupied,
+            odds if odds < -DECIDED => Cell::Free,
+            _ => Cell::Unknown,
+        }
+    }
+
+    fn is_forgotten(&self, at: usize) -> bool {
+        self.driven - self.met[at] > self.memory
     }
 
     fn offset(&self, cell: CellIndex) -> usize {
         cell.y * self.info.width + cell.x
-    }
-}
-
-fn decided(odds: f32) -> Cell {
-    match odds {
-        o if o > DECIDED => Cell::Occupied,
-        o if o < -DECIDED => Cell::Free,
-        _ => Cell::Unknown,
     }
 }
 
@@ -261,7 +284,7 @@ mod tests {
 
     #[test]
     fn a_wall_ahead_is_occupied_and_the_way_to_it_free() {
-        let mut grid = EvidenceGrid::new(info());
+        let mut grid = EvidenceGrid::new(info(), 10.0);
         let scan = LaserScan {
             laser: crate::sensor::log::LaserNumber::FRONT,
             stamp: 0.0,
@@ -272,8 +295,8 @@ mod tests {
             ranges: vec![Some(2.0), None, Some(2.0)],
         };
         let pose = info().origin.compose(&Pose::new(1.1, 1.1, 0.0));
-        grid.add(&scan, &pose);
-        grid.add(&scan, &pose);
+        grid.add(&scan, &pose, 0.0);
+        grid.add(&scan, &pose, 1.0);
         let occupancy = grid.grid().unwrap();
         let at = |x: f64| {
             occupancy.cell(occupancy.info().cell_at(&pose.transform_point(&Point::new(x, 0.0))).unwrap())
@@ -282,5 +305,8 @@ mod tests {
             (at(0.0), at(1.5), at(2.0), at(2.5)),
             (Cell::Free, Cell::Free, Cell::Occupied, Cell::Unknown)
         );
+        // Far away, and long ago: one glance is not enough to decide anything.
+        grid.add(&scan, &pose, 12.0);
+        assert!(grid.occupancy().iter().all(|cell| *cell != Cell::Free));
     }
 }

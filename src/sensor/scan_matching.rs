@@ -3,7 +3,7 @@
 //! Odometry is good over a step and poor over a corridor. Walls that are seen again tell where the robot is, but not
 //! along a corridor without doors. Both are weighed, scan by scan: points are laid onto lines (Censi 2008, "An ICP
 //! variant using a point-to-line metric"), with odometry as a prior and what is uncertain about it carried on as in a
-//! Kalman filter. Walls are forgotten as they get far, so that no loop is closed: whether a place is a place
+//! Kalman filter. Walls are forgotten as they get far and old, so that no loop is closed: whether a place is a place
 //! seen before is for the map to decide.
 
 use crate::geometry::{Pose, wrap_angle};
@@ -17,6 +17,9 @@ use nalgebra::{Matrix3, Vector3};
 pub struct MatchingParameters {
     /// Walls are remembered in a square window of this side around the robot, metres. Default 30.
     pub window: f64,
+    /// What was seen so many metres of driving ago is forgotten, so that the robot does not meet its own drift when it
+    /// comes by again. Default 40.
+    pub memory: f64,
     /// Beams up to this range are used, metres: further out they lie far apart. Default 12.
     pub max_range: f64,
     /// How far a wall may be from where it is expected, metres. Default 0.5.
@@ -38,6 +41,7 @@ impl Default for MatchingParameters {
     fn default() -> Self {
         MatchingParameters {
             window: 30.0,
+            memory: 40.0,
             max_range: 12.0,
             reach: 0.5,
             range_noise: 0.03,
@@ -104,7 +108,7 @@ struct Match {
 impl ScanMatcher {
     /// A robot that has seen nothing yet.
     pub fn new(parameters: MatchingParameters) -> Self {
-        let walls = Walls::new(parameters.window, ELEMENT);
+        let walls = Walls::new(parameters.window, ELEMENT, parameters.memory);
         ScanMatcher { parameters, walls, last: None, remembered: None }
     }
 
@@ -127,6 +131,7 @@ impl ScanMatcher {
         if motion.x.hypot(motion.y) < self.parameters.step && motion.theta.abs() < self.parameters.turn {
             return LocalPose { local_from_robot: expected, drift: Matrix3::zeros(), used: false };
         }
+        self.walls.drive(motion.x.hypot(motion.y));
         let seen = surfaces(scan, self.parameters.max_range);
         let noise = self.noise(&motion);
         let prior = carried(&last, &expected) + in_local(&noise, &expected);

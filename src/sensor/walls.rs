@@ -14,6 +14,8 @@ struct Element {
     square: [i32; 2],
     sightings: f64,
     surface: Surface,
+    /// How far the robot had driven when it was last seen, metres.
+    driven: f64,
 }
 
 /// A window of squares that moves with the robot. A square that leaves on one side gives its memory to one that comes
@@ -23,22 +25,34 @@ pub(super) struct Walls {
     side: f64,
     squares: i32,
     elements: Vec<Option<Element>>,
+    memory: f64,
+    driven: f64,
 }
 
 impl Walls {
-    /// No walls yet, in a window of so many metres of squares with this side.
-    pub(super) fn new(window: f64, side: f64) -> Self {
+    /// No walls yet, in a window of so many metres of squares with this side; what was seen so many metres of driving ago
+    /// is forgotten.
+    pub(super) fn new(window: f64, side: f64, memory: f64) -> Self {
         let squares = (window / side).ceil().clamp(1.0, 4096.0) as i32;
-        Walls { side, squares, elements: vec![None; (squares * squares) as usize] }
+        Walls { side, squares, elements: vec![None; (squares * squares) as usize], memory, driven: 0.0 }
+    }
+
+    /// The robot has driven on by so many metres.
+    pub(super) fn drive(&mut self, length: f64) {
+        self.driven += length;
     }
 
     /// Remembers a surface given in the frame of the window.
     pub(super) fn add(&mut self, seen: Surface) {
         let Some(square) = self.square(&seen.at) else { return };
-        let slot = self.slot(square);
+        let (slot, driven) = (self.slot(square), self.driven);
+        let known = self.element(square).is_some();
         match &mut self.elements[slot] {
-            Some(known) if known.square == square => known.add(&seen),
-            other => *other = Some(Element { square, sightings: 1.0, surface: seen }),
+            Some(element) if known => {
+                element.add(&seen);
+                element.driven = driven;
+            }
+            other => *other = Some(Element { square, sightings: 1.0, surface: seen, driven }),
         }
     }
 
@@ -65,7 +79,9 @@ impl Walls {
     }
 
     fn element(&self, square: [i32; 2]) -> Option<&Element> {
-        self.elements[self.slot(square)].as_ref().filter(|element| element.square == square)
+        let known =
+            |element: &&Element| element.square == square && self.driven - element.driven <= self.memory;
+        self.elements[self.slot(square)].as_ref().filter(known)
     }
 
     /// The square of a point, if it is one that can be counted.
@@ -119,7 +135,7 @@ mod tests {
             points in prop::collection::vec((-4.0..4.0f64, -4.0..4.0f64, -3.1..3.1f64), 0..80),
             (x, y, angle) in (-4.0..4.0f64, -4.0..4.0f64, -3.1..3.1f64),
         ) {
-            let mut walls = Walls::new(10.0, 0.1);
+            let mut walls = Walls::new(10.0, 0.1, 40.0);
             let surface = |(x, y, angle): (f64, f64, f64)| Surface { at: Point::new(x, y), normal: direction(angle) };
             points.iter().for_each(|&p| walls.add(surface(p)));
             let to = surface((x, y, angle));
@@ -132,13 +148,15 @@ mod tests {
 
     #[test]
     fn what_left_the_window_is_forgotten() {
-        let mut walls = Walls::new(10.0, 0.1);
+        let mut walls = Walls::new(10.0, 0.1, 40.0);
         let wall = |x: f64| Surface { at: Point::new(x, 0.05), normal: direction(0.0) };
         walls.add(wall(1.05));
         assert!(walls.nearest(&wall(1.05), 0.5).is_some());
         walls.add(wall(11.05));
         assert!(walls.nearest(&wall(1.05), 0.5).is_none());
         assert!(walls.nearest(&wall(11.05), 0.5).is_some());
+        walls.drive(41.0);
+        assert!(walls.nearest(&wall(11.05), 0.5).is_none());
         walls.add(wall(f64::NAN));
         assert!(walls.nearest(&wall(1e300), 0.5).is_none());
     }

@@ -34,7 +34,7 @@ impl Follower {
         OccupancyGrid::check(&info)?;
         Ok(Follower {
             matcher: ScanMatcher::new(parameters.matching),
-            evidence: EvidenceGrid::new(info),
+            evidence: EvidenceGrid::new(info, parameters.matching.memory),
             moments: Vec::new(),
             scans: 0,
             side,
@@ -44,14 +44,15 @@ impl Follower {
     /// Takes the next scan.
     pub(super) fn add(&mut self, scan: &LaserScan) -> Moment {
         let pose = self.matcher.add(scan);
+        let moment = self.push(&pose);
         if pose.used {
             let at = pose.local_from_robot.position();
             if (at - self.evidence.middle()).amax() > FOLLOW {
                 self.evidence.center_on(&at);
             }
-            self.evidence.add(scan, &pose.local_from_robot);
+            self.evidence.add(scan, &pose.local_from_robot, moment.driven);
         }
-        self.push(&pose)
+        moment
     }
 
     fn push(&mut self, pose: &LocalPose) -> Moment {
