@@ -16,8 +16,9 @@ use topostar::sensor::LaserScan;
 use topostar::service::{self, Maps, MemoryStore, app};
 use topostar::star::{LargeScaleStar, PerceptionParameters};
 use topostar::trace::perceive::perceive;
-use topostar::trace::recording::{Arrival, RecordingParameters, cut};
+use topostar::trace::recording::{Arrival, Recorder};
 use topostar::trace::{Event, EventKind, Experience, Percept, Sighting, read_trace, write_trace};
+use topostar::visit::{AnnotatedVisits, Stage, VisitParameters};
 
 fn data(file: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(file)
@@ -28,7 +29,12 @@ fn aces() -> (Vec<LaserScan>, Vec<Arrival>, Vec<Event>) {
     let scans = logs::scans("aces");
     let visits = fs::read_to_string(data("logs/aces-visits.csv")).unwrap();
     let arrivals = Arrival::read_csv(&visits).unwrap();
-    let events = cut(&scans, &arrivals, &RecordingParameters::default()).unwrap();
+    let marks = arrivals.iter().map(|arrival| arrival.scan).collect();
+    let mut visits = AnnotatedVisits::new(marks, &VisitParameters::default()).unwrap();
+    let mut stages: Vec<Stage> = scans.iter().filter_map(|scan| visits.add(scan)).collect();
+    stages.extend(visits.finish().unwrap());
+    let mut recorder = Recorder::default();
+    let events = stages.into_iter().flat_map(|stage| recorder.add(stage)).collect::<Vec<Event>>();
     (scans, arrivals, events)
 }
 
@@ -48,8 +54,8 @@ fn the_aces_log_is_read_whole() {
     assert_eq!(events.len(), 15 + 14 + 14);
 }
 
-/// What may be relied on in raw odometry without tuning: the places in clean corridors read alike at every visit.
-/// The north lobby and the corner in the north-west do not; that is for perception to come.
+/// What may be relied on without tuning: the places read alike at every visit. W does not, as the grid of its second visit
+/// shows walls twice across the way to the west.
 #[test]
 fn a_place_of_the_aces_building_reads_alike_at_every_visit() {
     let (_, arrivals, events) = aces();
@@ -68,9 +74,16 @@ fn a_place_of_the_aces_building_reads_alike_at_every_visit() {
             .collect()
     };
     let exits = |star: &LargeScaleStar| star.slots().iter().filter(|slot| slot.navigable).count();
-    for (place, visits, ways) in
-        [("E", 2, 3), ("S", 2, 4), ("W", 2, 3), ("C", 3, 4), ("NE", 1, 2), ("SE", 1, 2), ("SW", 1, 2)]
-    {
+    for (place, visits, ways) in [
+        ("N", 2, 3),
+        ("E", 2, 3),
+        ("S", 2, 4),
+        ("C", 3, 4),
+        ("NE", 1, 2),
+        ("SE", 1, 2),
+        ("SW", 1, 2),
+        ("NW", 1, 2),
+    ] {
         let seen = at(place);
         assert_eq!(seen.len(), visits, "{place}");
         assert!(seen.iter().all(|star| exits(star) == ways && star.size() == 4), "{place}: {seen:?}");
