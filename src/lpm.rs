@@ -23,10 +23,12 @@ impl Lpm {
         Lpm { grid, robot_pose, trail: Vec::new() }
     }
 
-    /// The same LPM, with the way on which the robot came to it before what else is known of its trail.
+    /// The same LPM, its trail being the way on which the robot came to it where nothing more is known.
     #[must_use]
     pub fn reached_by(mut self, way: Option<Vec<Point>>) -> Self {
-        self.trail.splice(..0, way.unwrap_or_default());
+        if self.trail.is_empty() {
+            self.trail = way.unwrap_or_default();
+        }
         self
     }
 }

@@ -209,7 +209,9 @@ impl Abduction {
 
     /// What is found so far. Linear in candidates and observations.
     pub fn report(&self) -> Report {
-        let exact_at = |observation: usize| self.first_cut.and_then(StopReason::observation).is_none_or(|cut| observation < cut);
+        let exact_at = |observation: usize| {
+            self.first_cut.and_then(StopReason::observation).is_none_or(|cut| observation < cut)
+        };
         let complete = self.is_complete();
         let settlement = self.settlement();
         let proven = settlement.map_or(complete, |settlement| settlement.proven);

@@ -36,11 +36,11 @@ pub use graph::{
 pub use layout::Layout;
 pub use map_svg::map_svg;
 pub use map_text::{map_text, place_type};
-pub use truth::{Mark, Repeated, Truth};
 pub use outlook::{Outlook, PredictedSlot, Prediction, Prospect};
 pub use refutation::{Alternative, EndedBranch, Refutation};
 pub use report::{
     Assertion, Bound, Count, Extinction, Preferred, Relation, Report, StopReason, Strategy, profile_name,
 };
+pub use truth::{Mark, Repeated, Truth};
 pub use view_report::{PreferredViews, ViewReport, ViewStopReason, ViewStrategy};
 pub use view_text::view_text;

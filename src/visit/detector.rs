@@ -1,6 +1,6 @@
 //! Finds visits in a stream of scans.
 
-use crate::geometry::{Point, Pose};
+use crate::geometry::{Point, Pose, wrap_angle};
 use crate::grid::GridError;
 use crate::lpm::Lpm;
 use crate::sensor::LaserScan;
@@ -10,6 +10,7 @@ use crate::visit::passage::passages;
 use crate::visit::sighting::{Seen, Sighting, is_passage, look};
 use crate::visit::{Moment, Stage, Visit, VisitParameters};
 use std::collections::VecDeque;
+use std::f64::consts::FRAC_PI_3;
 
 /// A robot that comes back to the place it left last, within so many metres and without another place on the way, has
 /// not left it: it has looked around.
@@ -29,6 +30,8 @@ pub struct VisitDetector {
     groups: Vec<Group>,
     /// The last visit, which the robot may return to.
     last: Option<Found>,
+    /// How many visits were given away.
+    certain: usize,
 }
 
 /// Sightings that agree on a middle.
@@ -51,6 +54,8 @@ struct Found {
 
 /// A place is left when the robot has driven so many metres on without being near.
 const GONE: f64 = 3.0;
+/// A robot that leaves more than 60 degrees beside a gateway does not leave by it.
+const SIDEWAYS: f64 = FRAC_PI_3;
 
 impl VisitDetector {
     /// A robot that has seen nothing yet; refuses a grid that is too large to be made.
@@ -63,6 +68,7 @@ impl VisitDetector {
             sightings: VecDeque::new(),
             groups: Vec::new(),
             last: None,
+            certain: 0,
         })
     }
 
@@ -134,7 +140,7 @@ impl VisitDetector {
             (found.stage.visit.center - last.stage.visit.center).norm() <= 2.0 * self.parameters.agreement;
         let overlaps = found.stage.visit.arrival.driven < last.inside[1].driven;
         if same && apart <= LOOKS_AROUND {
-            self.keep(last.prolonged(found));
+            self.keep(self.joined(last, found));
             None
         } else if overlaps {
             // Two middles of one place: the one that was seen more often stays.
@@ -142,8 +148,18 @@ impl VisitDetector {
             None
         } else {
             self.keep(found);
+            self.certain += 1;
             Some(last.stage)
         }
+    }
+
+    /// One stay of two at the same place: as seen last, or else as seen first, whichever the robot passed through.
+    fn joined(&self, last: Found, found: Found) -> Found {
+        let first = self.certain == 0;
+        let latest = last.clone().prolonged(&found, &found.stage.visit);
+        let earliest = last.clone().prolonged(&found, &last.stage.visit);
+        let understood = |found: &Found| self.is_passed_through(&found.stage.visit, first);
+        [latest, earliest].into_iter().find(understood).unwrap_or_else(|| found.instead_of(last))
     }
 
     fn keep(&mut self, found: Found) {
@@ -152,30 +168,45 @@ impl VisitDetector {
     }
 
     /// The visit that a group of sightings shows, if it is one: the robot was near, most of what it saw there agrees,
-    /// and the place as seen over the whole visit is one.
+    /// and the place as seen over the whole visit is one that the robot came into and left by its gateways.
     fn settle(&self, group: &Group) -> Option<Found> {
         let inside = group.near?;
-        let during = |s: &&Sighting| (inside[0].driven..=inside[1].driven).contains(&s.moment.driven);
-        let agrees = |s: &Sighting| {
-            s.place.is_some_and(|p| (p.center - group.center).norm() <= self.parameters.agreement)
-        };
-        let all = self.sightings.iter().filter(during).count();
-        let sightings = self.sightings.iter().filter(during).filter(|s| agrees(s)).count();
-        let long = sightings as f64 * self.parameters.spacing >= self.parameters.hysteresis;
-        if !long || 2 * sightings < all {
-            return None;
-        }
+        let sightings = self.agreeing(group, inside)?;
         let at = |middle: &Point| Pose { x: middle.x, y: middle.y, ..inside[0].local_from_robot };
         let center = group.center + self.read(&group.center, &at(&group.center))?.1.center.coords;
         let (_, place) = self.read(&center, &at(&center))?;
         let scans = inside.map(|moment| moment.scan);
         let [arrival, departure] = passages(self.follower.moments(), scans, &center, &place.gateways)?;
-        // What the trace will show must be the place that was found, seen from the arrival.
         let (lpm, _) = self.read(&center, &arrival.local_from_robot)?;
+        let visit = Visit { center, lpm, arrival, departure };
+        if !self.is_passed_through(&visit, self.last.is_none()) {
+            return None;
+        }
         let from = self.last.as_ref().map_or(0, |last| last.stage.visit.arrival.scan);
         let way = self.follower.between(from, arrival.scan).to_vec();
-        let visit = Visit { center, lpm, arrival, departure };
         Some(Found { stage: Stage { way, visit }, inside, sightings })
+    }
+
+    /// How many sightings agree with a group while the robot was near, if these are enough.
+    fn agreeing(&self, group: &Group, inside: [Moment; 2]) -> Option<usize> {
+        let VisitParameters { agreement, spacing, hysteresis, .. } = self.parameters;
+        let during = |s: &&Sighting| (inside[0].driven..=inside[1].driven).contains(&s.moment.driven);
+        let agrees = |s: &Sighting| s.place.is_some_and(|p| (p.center - group.center).norm() <= agreement);
+        let all = self.sightings.iter().filter(during).count();
+        let agreeing = self.sightings.iter().filter(during).filter(|s| agrees(s)).count();
+        let long = agreeing as f64 * spacing >= hysteresis;
+        (long && 2 * agreeing >= all).then_some(agreeing)
+    }
+
+    /// Whether the trace can tell of a visit: by which gateway the robot came in, unless the log began there, and by
+    /// which it left, unless the log ended there. Where a robot passes and no gateway is, the place was not understood.
+    fn is_passed_through(&self, visit: &Visit, first: bool) -> bool {
+        let Ok(place) = describe(&visit.lpm, &self.parameters.perception) else { return false };
+        let ended = self.follower.moments().last().is_none_or(|last| last.scan == visit.departure.scan);
+        let out = visit.way_out();
+        let gateway = place.outward_slot_toward(out).and_then(|slot| place.star.slot(slot)?.bearing);
+        let left = gateway.is_some_and(|bearing| wrap_angle(bearing - out).abs() <= SIDEWAYS);
+        (first || place.arrival.is_some()) && (ended || left) && !is_passage(&place)
     }
 
     /// The LPM around a point of the local frame as seen over the whole visit, from a pose in it, and its place, if it is
@@ -207,19 +238,16 @@ impl Group {
 }
 
 impl Found {
-    /// A stay that goes on: it began with this one and ended with the next, and is what was seen last.
-    fn prolonged(self, next: Found) -> Found {
-        let arrival = self.stage.visit.arrival;
-        let mut visit = next.stage.visit;
-        let at = arrival.local_from_robot;
-        visit.lpm.robot_pose = Pose { x: at.x - visit.center.x, y: at.y - visit.center.y, ..at };
-        visit.arrival = arrival;
-        let inside = [self.inside[0], next.inside[1]];
-        Found {
-            stage: Stage { way: self.stage.way, visit },
-            inside,
-            sightings: self.sightings + next.sightings,
-        }
+    /// A stay that goes on until the end of the next, at the place as it is in one of them.
+    fn prolonged(mut self, next: &Found, seen: &Visit) -> Found {
+        let Visit { arrival, .. } = self.stage.visit;
+        let (center, at) = (seen.center, arrival.local_from_robot);
+        let mut lpm = seen.lpm.clone();
+        lpm.robot_pose = Pose { x: at.x - center.x, y: at.y - center.y, ..at };
+        self.stage.visit = Visit { center, lpm, arrival, departure: next.stage.visit.departure };
+        self.inside[1] = next.inside[1];
+        self.sightings += next.sightings;
+        self
     }
 
     /// A visit in place of one that was seen less well; its way goes on from the same visit before.

@@ -16,7 +16,7 @@ pub mod truth;
 pub use annotated::{AnnotatedVisits, ArrivalsError};
 pub use detector::VisitDetector;
 
-use crate::geometry::{Point, Pose};
+use crate::geometry::{Point, Pose, bearing};
 use crate::lpm::Lpm;
 use crate::sensor::MatchingParameters;
 use crate::star::PerceptionParameters;
@@ -74,6 +74,13 @@ pub struct Visit {
     pub arrival: Moment,
     /// The scan at which it was out again, and its pose.
     pub departure: Moment,
+}
+
+impl Visit {
+    /// The direction in which the robot left, seen from the middle of the place, radians.
+    pub fn way_out(&self) -> f64 {
+        bearing(&(self.departure.local_from_robot.position() - self.center))
+    }
 }
 
 /// A scan and the pose of the robot at it.

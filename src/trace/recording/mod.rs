@@ -4,7 +4,7 @@ mod arrivals;
 
 pub use arrivals::{Arrival, ArrivalsFileError};
 
-use crate::geometry::{Pose, bearing};
+use crate::geometry::Pose;
 use crate::trace::event::{Event, EventKind, Observation, Percept, Travel, Turn, TurnTarget};
 use crate::visit::{Moment, Stage, Visit, drift};
 
@@ -23,7 +23,7 @@ impl Recorder {
     pub fn add(&mut self, stage: Stage) -> Vec<Event> {
         let mut kinds = Vec::new();
         if let Some(last) = &self.last {
-            let target = TurnTarget::Heading(way_out(last));
+            let target = TurnTarget::Heading(last.way_out());
             kinds.push(EventKind::Turn(Turn { target, angle: None }));
             kinds.push(EventKind::Travel(Box::new(travel(last, &stage.way))));
         }
@@ -34,11 +34,6 @@ impl Recorder {
         self.next += kinds.len() as u64;
         kinds.into_iter().zip(first..).map(|(kind, seq)| Event { seq, stamp: None, kind }).collect()
     }
-}
-
-/// The direction in which the robot left a place, seen from its middle.
-fn way_out(visit: &Visit) -> f64 {
-    bearing(&(visit.departure.local_from_robot.position() - visit.center))
 }
 
 /// The travel from a visit to the end of a way that began with its arrival. Its covariance is that of the whole way, as
