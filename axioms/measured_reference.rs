@@ -445,7 +445,7 @@ impl<'a> Estimate<'a> {
     fn slack(&self, from: usize, to: usize, gate: f64) -> f64 {
         let swing = |visit: usize| {
             let leg = &self.legs[visit - 1].0;
-            let heading = match from <= visit - 1 {
+            let heading = match from < visit {
                 true => self.pose(from, visit - 1),
                 false => self.pose(visit - 1, from),
             };

@@ -70,11 +70,11 @@ fn visits_at(input: &Path, mut log: LogScans, visits: &Path) -> Result<Events, F
         AnnotatedVisits::new(arrivals, &VisitParameters::default()).map_err(|error| bad(&error))?;
     let mut stages = Vec::new();
     let fault = feed(&mut log, |scan| stages.extend(marked.add(scan)));
-    match marked.finish() {
-        Ok(last) => stages.extend(last),
-        // The log ended too early to hold them all.
-        Err(ArrivalsError::Beyond { .. }) if fault.is_some() => {}
-        Err(error) => return Err(bad(&error)),
+    let (last, beyond) = marked.finish();
+    stages.extend(last);
+    // A log that ended too early does not hold them all.
+    if let Some(error) = beyond.filter(|_| fault.is_none()) {
+        return Err(bad(&error));
     }
     Events::of(input, &log, stages, fault)
 }

@@ -97,13 +97,13 @@ impl AnnotatedVisits {
         before
     }
 
-    /// The visit to the last mark.
-    pub fn finish(mut self) -> Result<Option<Stage>, ArrivalsError> {
-        if let Some(&scan) = self.arrivals.get(self.passed) {
-            return Err(ArrivalsError::Beyond { arrival: self.passed, scan, scans: self.scans });
-        }
+    /// The visit to the last mark passed, and what is wrong with the next one, if there is one.
+    pub fn finish(mut self) -> (Option<Stage>, Option<ArrivalsError>) {
+        let (arrival, scans) = (self.passed, self.scans);
+        let beyond = |&scan: &usize| ArrivalsError::Beyond { arrival, scan, scans };
         let end = self.follower.moments().last().copied();
-        Ok(self.stay.take().zip(end).and_then(|(stay, end)| self.end(stay, end)))
+        let last = self.stay.take().zip(end).and_then(|(stay, end)| self.end(stay, end));
+        (last, self.arrivals.get(arrival).map(beyond))
     }
 
     fn stay_on(&mut self, moment: Moment) {

@@ -206,7 +206,9 @@ impl VisitDetector {
         let out = visit.way_out();
         let gateway = place.outward_slot_toward(out).and_then(|slot| place.star.slot(slot)?.bearing);
         let left = gateway.is_some_and(|bearing| wrap_angle(bearing - out).abs() <= SIDEWAYS);
-        (first || place.arrival.is_some()) && (ended || left) && !is_passage(&place)
+        // A robot that starts off does not see what is behind it.
+        let closed_behind = first && place.gateways.len() == 1 && place.arrival.is_none();
+        (first || place.arrival.is_some()) && (ended || left) && !is_passage(&place) && !closed_behind
     }
 
     /// The LPM around a point of the local frame as seen over the whole visit, from a pose in it, and its place, if it is

@@ -92,7 +92,9 @@ mod tests {
     fn record(arrivals: &[usize]) -> Result<Vec<Event>, ArrivalsError> {
         let mut visits = AnnotatedVisits::new(arrivals.to_vec(), &VisitParameters::default())?;
         let mut stages: Vec<Stage> = drive().iter().filter_map(|scan| visits.add(scan)).collect();
-        stages.extend(visits.finish()?);
+        let (last, beyond) = visits.finish();
+        stages.extend(last);
+        beyond.map_or(Ok(()), Err)?;
         let mut recorder = Recorder::default();
         Ok(stages.into_iter().flat_map(|stage| recorder.add(stage)).collect())
     }
