@@ -27,7 +27,7 @@ pub(super) fn load() -> Vec<Visit> {
     let marks = arrivals.iter().map(|arrival| arrival.scan).collect();
     let mut visits = AnnotatedVisits::new(marks, &VisitParameters::default()).unwrap();
     let mut stages: Vec<Stage> = scans.iter().filter_map(|scan| visits.add(scan)).collect();
-    stages.extend(visits.finish().unwrap());
+    stages.extend(visits.finish().0);
     let visit = |(arrival, stage): (Arrival, Stage)| Visit { place: arrival.place, lpm: stage.visit.lpm };
     arrivals.into_iter().zip(stages).map(visit).collect()
 }
