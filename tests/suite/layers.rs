@@ -54,6 +54,7 @@ const CORE: &[&str] = &[
     "lpm",
     "gateway",
     "star",
+    "visit",
     "map",
     "abduction",
     "metric",
