@@ -7,7 +7,7 @@ use crate::sensor::log::LogError;
 use crate::trace::recording::{Arrival, Recorder};
 use crate::trace::{Event, read_lines};
 use crate::visit::truth::Timetable;
-use crate::visit::{AnnotatedVisits, ArrivalsError, Stage, VisitDetector, VisitParameters};
+use crate::visit::{AnnotatedVisits, Stage, VisitDetector, VisitParameters};
 use bzip2::read::MultiBzDecoder;
 use flate2::read::MultiGzDecoder;
 use std::fs::File;

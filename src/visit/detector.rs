@@ -32,6 +32,8 @@ pub struct VisitDetector {
     last: Option<Found>,
     /// How many visits were given away.
     certain: usize,
+    /// Whether the log has ended.
+    over: bool,
 }
 
 /// Sightings that agree on a middle.
@@ -69,6 +71,7 @@ impl VisitDetector {
             groups: Vec::new(),
             last: None,
             certain: 0,
+            over: false,
         })
     }
 
@@ -90,6 +93,7 @@ impl VisitDetector {
 
     /// The visits that were still open when the log ended.
     pub fn finish(mut self) -> Vec<Stage> {
+        self.over = true;
         let mut certain = Vec::new();
         while let Some(due) = self.awaiting.pop_front() {
             certain.extend(self.judge(due));
@@ -202,7 +206,8 @@ impl VisitDetector {
     /// which it left, unless the log ended there. Where a robot passes and no gateway is, the place was not understood.
     fn is_passed_through(&self, visit: &Visit, first: bool) -> bool {
         let Ok(place) = describe(&visit.lpm, &self.parameters.perception) else { return false };
-        let ended = self.follower.moments().last().is_none_or(|last| last.scan == visit.departure.scan);
+        let now = self.follower.moments().last();
+        let ended = self.over && now.is_none_or(|last| last.scan == visit.departure.scan);
         let out = visit.way_out();
         let gateway = place.outward_slot_toward(out).and_then(|slot| place.star.slot(slot)?.bearing);
         let left = gateway.is_some_and(|bearing| wrap_angle(bearing - out).abs() <= SIDEWAYS);
