@@ -3,7 +3,7 @@
 //! A search over *which visits are one place*, depth first with the most promising decision first, under a bound:
 //! branch and bound (Land and Doig 1960). It differs from the breadth-first search in what it extends: not a map by
 //! the next observation, but the whole walk by one more decision about one class of visits, and all that
-//! follows from it ([`Quotient`]). So the class with the fewest ways left is decided first, whenever it was visited (the fail-first
+//! follows from it (`Quotient`). So the class with the fewest ways left is decided first, whenever it was visited (the fail-first
 //! principle, Haralick and Elliott 1980), and a wrong closure falls when it is made and not when the robot comes by again.
 //! The idea is that of learning the smallest automaton from a trace by merging states and folding (Lang, Pearlmutter and Price
 //! 1998); the clique bound is that of Heule and Verwer 2010. After each decision what is settled rules out more of the
