@@ -1,5 +1,6 @@
 //! Removal of specks: what is too small to be an obstacle or a shadow that matters.
 
+use crate::grid::plane::Plane;
 use crate::grid::{Cell, GridInfo, OccupancyGrid};
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -31,83 +32,80 @@ impl Default for CleaningParameters {
 pub fn clean(grid: &OccupancyGrid, parameters: &CleaningParameters) -> OccupancyGrid {
     let info = *grid.info();
     let cell_area = info.resolution * info.resolution;
-    let mut cells = grid.cells().to_vec();
     // No gap is longer than the grid, however small its cells.
     let gap = ((parameters.gap / info.resolution) + 1e-6).min(info.width.max(info.height) as f64);
-    fill_gaps(&info, &mut cells, gap as usize);
     // Areas of whole cells are compared with areas in decimal metres.
     let cells_in = |area: f64| area / cell_area - 1e-6;
     let (stray, shadow) = (cells_in(parameters.stray), cells_in(parameters.shadow));
     let post = parameters.post / info.resolution + 1e-6;
-    let occupied = Patches::new(&info, &cells, true, |cell| cell == Cell::Occupied);
-    occupied.of(|patch| (patch.cells as f64) < stray).for_each(|i| cells[i] = Cell::Unknown);
-    let closed = Patches::new(&info, &cells, false, |cell| cell != Cell::Free);
-    let shadows = closed.of(|patch| !patch.occupied && (patch.cells as f64) < shadow);
-    shadows.for_each(|i| cells[i] = Cell::Free);
-    let closed = Patches::new(&info, &cells, true, |cell| cell != Cell::Free);
-    closed.of(|patch| patch.length() <= post).for_each(|i| cells[i] = Cell::Free);
+    let mut cells = grid.cells().to_vec();
+    let mut free = fill_gaps(&info, &mut cells, gap as usize);
+    let occupied = Patches::new(&Plane::of(&cells, info.width, Cell::Occupied), true);
+    occupied.cells_of(&occupied.strays(stray)).for_each(|i| cells[i] = Cell::Unknown);
+    let closed = Patches::new(&free.complement(), false);
+    let shadows = closed.shadows(shadow, &cells);
+    closed.cells_of(&shadows).for_each(|i| {
+        cells[i] = Cell::Free;
+        free.insert(i);
+    });
+    let closed = Patches::new(&free.complement(), true);
+    closed.cells_of(&closed.posts(post)).for_each(|i| cells[i] = Cell::Free);
     grid.with_cells(cells)
 }
 
 /// Frees unknown stretches of at most `most` cells between two free cells, along rows and then along columns. Cells
-/// that touch an obstacle stay: they may be part of a wall seen in places only.
-fn fill_gaps(info: &GridInfo, cells: &mut [Cell], most: usize) {
-    let wall = |cells: &[Cell], i: usize| {
-        info.neighbors(info.index(i), true).any(|at| cells[info.offset(at)] == Cell::Occupied)
-    };
-    for y in 0..info.height {
-        let mut last_free = None;
-        for i in y * info.width..(y + 1) * info.width {
-            close_gap(cells, &mut last_free, i, 1, most, wall);
-        }
-    }
-    // All columns at once, row by row: a column at a time would jump through memory.
-    let mut last_free = vec![None; info.width];
-    for y in 0..info.height {
-        for (x, last) in last_free.iter_mut().enumerate() {
-            close_gap(cells, last, y * info.width + x, info.width, most, wall);
-        }
-    }
-}
-
-/// Goes one cell on along a line of cells `step` apart: at a free cell, frees the unknown ones since the last.
-fn close_gap(
-    cells: &mut [Cell],
-    last_free: &mut Option<usize>,
-    i: usize,
-    step: usize,
-    most: usize,
-    wall: impl Fn(&[Cell], usize) -> bool,
-) {
-    match cells[i] {
-        Cell::Unknown => {}
-        Cell::Occupied => *last_free = None,
-        Cell::Free => {
-            if let Some(last) = last_free.replace(i)
-                && last + step < i
-                && i <= last + (most + 1) * step
-            {
-                for j in (last + step..i).step_by(step) {
-                    cells[j] = if wall(cells, j) { Cell::Unknown } else { Cell::Free };
+/// that touch an obstacle stay: they may be part of a wall seen in places only. What is free then.
+fn fill_gaps(info: &GridInfo, cells: &mut [Cell], most: usize) -> Plane {
+    let mut free = Plane::of(cells, info.width, Cell::Free);
+    let mut unknown = Plane::of(cells, info.width, Cell::Unknown);
+    for along_rows in [true, false] {
+        let step = if along_rows { 1 } else { info.width };
+        let starts = if along_rows { free.left_of(&unknown) } else { free.below(&unknown) };
+        for start in starts {
+            let end = if along_rows { start - start % info.width + info.width } else { cells.len() };
+            for i in gap(cells, start, step, end, most) {
+                let touches =
+                    info.neighbors(info.index(i), true).any(|at| cells[info.offset(at)] == Cell::Occupied);
+                if !touches {
+                    cells[i] = Cell::Free;
+                    free.insert(i);
+                    unknown.remove(i);
                 }
             }
         }
     }
+    free
+}
+
+/// The unknown cells after a free one along a line of cells `step` apart that ends before `end`, if a free one comes
+/// next and they are not too many.
+fn gap(
+    cells: &[Cell],
+    start: usize,
+    step: usize,
+    end: usize,
+    most: usize,
+) -> impl Iterator<Item = usize> + use<> {
+    let line = |k: usize| cells[..end].get(start + k * step);
+    let count = (1..=most).take_while(|&k| line(k) == Some(&Cell::Unknown)).count();
+    let closed = line(count + 1) == Some(&Cell::Free);
+    (1..=if closed { count } else { 0 }).map(move |k| start + k * step)
 }
 
 /// A horizontal run of cells, `start..end` in row-major order.
 struct Run {
     start: usize,
     end: usize,
-    /// The run of its patch that comes first, or one on the way to it.
-    parent: usize,
-    occupied: bool,
+    /// The run of its patch that comes first, or one on the way to it; once all runs are joined, the patch's number.
+    patch: usize,
 }
 
 /// Patches of the chosen cells that touch one another by their sides, or by corners too.
 struct Patches {
     width: usize,
     runs: Vec<Run>,
+    /// The cells of each patch.
+    sizes: Vec<usize>,
 }
 
 /// Directions in which a patch is measured: a sixteenth of a turn apart, so that no length is short by more than 2 %.
@@ -122,89 +120,99 @@ const DIRECTIONS: [(f64, f64); 8] = [
     (-0.923_879_532_511_286_7, 0.382_683_432_365_089_8),
 ];
 
-/// What a patch amounts to.
-#[derive(Clone)]
-struct Patch {
-    cells: usize,
-    /// Whether any of its cells is occupied.
-    occupied: bool,
-    /// The least and the greatest offset of its cells in each direction, cells.
-    reach: [(f64, f64); 8],
-}
-
-impl Patch {
-    const EMPTY: Patch = Patch { cells: 0, occupied: false, reach: [(f64::INFINITY, f64::NEG_INFINITY); 8] };
-
-    fn add(&mut self, run: &Run, width: usize) {
-        self.cells += run.end - run.start;
-        self.occupied |= run.occupied;
-        let y = (run.start / width) as f64;
-        for x in [run.start % width, (run.end - 1) % width].map(|x| x as f64) {
-            for (reach, (a, b)) in self.reach.iter_mut().zip(DIRECTIONS) {
-                let offset = a * x + b * y;
-                *reach = (reach.0.min(offset), reach.1.max(offset));
-            }
-        }
-    }
-
-    /// The greatest distance between two of its points, sides of cells included, in cells.
-    fn length(&self) -> f64 {
-        self.reach.iter().map(|(low, high)| high - low + 1.0).fold(0.0, f64::max)
-    }
-}
-
 impl Patches {
-    fn new(info: &GridInfo, cells: &[Cell], corners: bool, chosen: impl Fn(Cell) -> bool) -> Self {
-        let mut patches = Patches { width: info.width, runs: Vec::new() };
+    /// Linear in the runs, but for the search of their roots.
+    fn new(chosen: &Plane, corners: bool) -> Self {
+        let mut patches = Patches { width: chosen.width(), runs: Vec::new(), sizes: Vec::new() };
         let reach = usize::from(corners);
-        let mut above = 0..0;
-        for (y, row) in cells.chunks(info.width).enumerate() {
-            let first = patches.runs.len();
-            let mut start = y * info.width;
-            for stretch in row.chunk_by(|&a, &b| chosen(a) == chosen(b)) {
-                let end = start + stretch.len();
-                if chosen(stretch[0]) {
-                    let occupied = stretch.contains(&Cell::Occupied);
-                    patches.runs.push(Run { start, end, parent: patches.runs.len(), occupied });
-                    patches.join(above.clone(), reach);
-                }
-                start = end;
-            }
-            above = first..patches.runs.len();
-        }
+        // The first run of the row below that may touch the next one.
+        let mut below = 0;
+        chosen.each_run(|start, end| {
+            patches.runs.push(Run { start, end, patch: patches.runs.len() });
+            below = patches.join(below, reach);
+        });
+        patches.number();
         patches
     }
 
-    /// Joins the last run with those of the row below that it touches.
-    fn join(&mut self, below: std::ops::Range<usize>, reach: usize) {
-        let last = self.runs.len() - 1;
+    /// Joins the last run with those of the row below that it touches, of which none comes before `below`. The first
+    /// that the next run may touch.
+    fn join(&mut self, mut below: usize, reach: usize) -> usize {
+        let (last, width) = (self.runs.len() - 1, self.width);
         let (start, end) = (self.runs[last].start, self.runs[last].end);
-        for run in below {
-            let other = &self.runs[run];
-            if other.start + self.width < end + reach && start < other.end + self.width + reach {
-                let (a, b) = (self.root(run), self.root(last));
-                self.runs[a.max(b)].parent = a.min(b);
-            }
+        let (row, row_below) = (start / width, |run: &Run| run.start / width + 1);
+        while row_below(&self.runs[below]) < row
+            || (row_below(&self.runs[below]) == row && self.runs[below].end + width + reach <= start)
+        {
+            below += 1;
         }
+        let mut run = below;
+        while row_below(&self.runs[run]) == row && self.runs[run].start + width < end + reach {
+            let (a, b) = (self.root(run), self.root(last));
+            self.runs[a.max(b)].patch = a.min(b);
+            run += 1;
+        }
+        below
     }
 
     fn root(&self, mut run: usize) -> usize {
-        while self.runs[run].parent != run {
-            run = self.runs[run].parent;
+        while self.runs[run].patch != run {
+            run = self.runs[run].patch;
         }
         run
     }
 
-    /// The cells of all patches that are as wanted.
-    fn of(&self, wanted: impl Fn(&Patch) -> bool) -> impl Iterator<Item = usize> {
-        let mut patches = vec![Patch::EMPTY; self.runs.len()];
-        let roots: Vec<usize> = (0..self.runs.len()).map(|run| self.root(run)).collect();
-        for (run, &root) in self.runs.iter().zip(&roots) {
-            patches[root].add(run, self.width);
+    /// Numbers the patches in the order of their first runs.
+    fn number(&mut self) {
+        for run in 0..self.runs.len() {
+            // A run is linked to one before it, which has its number already.
+            let link = self.runs[run].patch;
+            let patch = if link == run { self.sizes.len() } else { self.runs[link].patch };
+            if link == run {
+                self.sizes.push(0);
+            }
+            self.sizes[patch] += self.runs[run].end - self.runs[run].start;
+            self.runs[run].patch = patch;
         }
-        let wanted: Vec<bool> = patches.iter().map(|patch| patch.cells > 0 && wanted(patch)).collect();
-        let runs = self.runs.iter().zip(roots).filter(move |&(_, root)| wanted[root]);
-        runs.flat_map(|(run, _)| run.start..run.end)
+    }
+
+    /// For every patch, whether it has less than so many cells.
+    fn strays(&self, least: f64) -> Vec<bool> {
+        self.sizes.iter().map(|&size| (size as f64) < least).collect()
+    }
+
+    /// For every patch, whether it has less than so many cells and none of them is occupied.
+    fn shadows(&self, least: f64, cells: &[Cell]) -> Vec<bool> {
+        let mut shadows = self.strays(least);
+        for run in &self.runs {
+            shadows[run.patch] = shadows[run.patch] && !cells[run.start..run.end].contains(&Cell::Occupied);
+        }
+        shadows
+    }
+
+    /// For every patch, whether no two of its points, sides of cells included, are further apart than so many cells.
+    fn posts(&self, longest: f64) -> Vec<bool> {
+        // No more cells lie within a square of that side.
+        let small: Vec<bool> = self.sizes.iter().map(|&size| size as f64 <= longest * longest).collect();
+        let mut reach = vec![[(f64::INFINITY, f64::NEG_INFINITY); 8]; small.len()];
+        for run in self.runs.iter().filter(|run| small[run.patch]) {
+            let y = (run.start / self.width) as f64;
+            for x in [run.start % self.width, (run.end - 1) % self.width].map(|x| x as f64) {
+                for (reach, (a, b)) in reach[run.patch].iter_mut().zip(DIRECTIONS) {
+                    let offset = a * x + b * y;
+                    *reach = (reach.0.min(offset), reach.1.max(offset));
+                }
+            }
+        }
+        let longest_of =
+            |reach: &[(f64, f64); 8]| reach.iter().map(|(low, high)| high - low + 1.0).fold(0.0, f64::max);
+        small.iter().zip(&reach).map(|(&small, reach)| small && longest_of(reach) <= longest).collect()
+    }
+
+    /// The cells of all patches that are as wanted.
+    fn cells_of(&self, wanted: &[bool]) -> impl Iterator<Item = usize> {
+        let runs = self.runs.iter().filter(|run| wanted[run.patch]);
+        runs.flat_map(|run| run.start..run.end)
     }
 }
 

@@ -131,7 +131,7 @@ pub fn skeletonize(
     let mut anchors = exits.clone();
     anchors.extend(&rooms);
     anchors.extend(dead_end);
-    let rank = |i: usize| distance.squared()[i] as u32;
+    let rank = |i: usize| distance.squared()[i];
     let cells = thin(info.width, info.height, &members, rank, &anchors);
     let index = |&i: &usize| info.index(i);
     Ok(Skeleton {
@@ -175,7 +175,7 @@ impl<'a> Window<'a> {
 /// The cells of the window where the robot's passage width fits.
 struct Core<'a> {
     info: &'a GridInfo,
-    squared: &'a [f64],
+    squared: &'a [u32],
     inside: Vec<bool>,
 }
 
@@ -184,7 +184,7 @@ impl<'a> Core<'a> {
         let (info, squared) = (distance.info(), distance.squared());
         // A strip of clear width w has its obstacle cells, centre to centre, w plus one cell apart.
         let least = ((parameters.passage_width / info.resolution + 1.0) / 2.0).powi(2);
-        let fits = |i: usize| squared[i] >= least && window.contains(info.index(i));
+        let fits = |i: usize| f64::from(squared[i]) >= least && window.contains(info.index(i));
         Core { info, squared, inside: (0..squared.len()).map(fits).collect() }
     }
 
@@ -205,7 +205,7 @@ impl<'a> Core<'a> {
                     let at = CellIndex { x, y };
                     let off = off_segment(&Point::new(x as f64 + 0.5, y as f64 + 0.5), &from, &to);
                     let i = self.info.offset(at);
-                    self.inside[i] |= off <= reach && self.squared[i] > 0.0 && window.contains(at);
+                    self.inside[i] |= off <= reach && self.squared[i] > 0 && window.contains(at);
                 }
             }
         }
@@ -215,7 +215,7 @@ impl<'a> Core<'a> {
     fn remove_open_expanses(&mut self, window: &Window, comfort_distance: f64) {
         let most = (comfort_distance / self.info.resolution).powi(2);
         for i in 0..self.inside.len() {
-            let wide = |core: &Core, i: usize| core.inside[i] && core.squared[i] > most;
+            let wide = |core: &Core, i: usize| core.inside[i] && f64::from(core.squared[i]) > most;
             if wide(self, i) && window.on_rim(self.info.index(i)) {
                 for cell in flood(self.info, i, true, |j| wide(self, j)) {
                     self.inside[cell] = false;
@@ -307,7 +307,7 @@ fn exits(members: &[usize], window: &Window, core: &Core) -> Vec<usize> {
 
 /// The cell of greatest clearance; of several, the middle one in the order given.
 fn widest(cells: &[usize], core: &Core) -> Option<usize> {
-    let most = cells.iter().map(|&i| core.squared[i]).fold(0.0, f64::max);
+    let most = cells.iter().map(|&i| core.squared[i]).max()?;
     let mut best: Vec<usize> = cells.iter().copied().filter(|&i| core.squared[i] == most).collect();
     best.sort_unstable();
     best.get(best.len() / 2).copied()
@@ -319,7 +319,7 @@ fn dead_end(exit: usize, core: &Core) -> Option<usize> {
     loop {
         let around = core.info.neighbors(core.info.index(end), true).map(|at| core.info.offset(at));
         let inside = around.filter(|&i| core.inside[i]);
-        let steepest = inside.max_by(|&a, &b| core.squared[a].total_cmp(&core.squared[b]).then(b.cmp(&a)));
+        let steepest = inside.max_by(|&a, &b| core.squared[a].cmp(&core.squared[b]).then(b.cmp(&a)));
         match steepest {
             Some(next) if core.squared[next] > core.squared[end] => end = next,
             _ => return Some(end),

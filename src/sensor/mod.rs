@@ -7,6 +7,6 @@ pub mod scan_matching;
 pub mod surface;
 mod walls;
 
-pub use ray_cast::EvidenceGrid;
+pub use ray_cast::{EvidenceGrid, EvidenceParameters};
 pub use scan::LaserScan;
 pub use scan_matching::{LocalPose, MatchingParameters, ScanMatcher};

@@ -1,93 +1,120 @@
 //! Scans to a grid: ray casting in log odds.
 
-use crate::geometry::{Point, Pose, Vector};
-use crate::grid::{Cell, CellIndex, GridInfo, OccupancyGrid};
+use crate::geometry::{Point, Pose, Transform, Vector};
+use crate::grid::{Cell, CellIndex, GridError, GridInfo, OccupancyGrid};
 use crate::sensor::LaserScan;
+use std::ops::Range;
 
-/// How much a beam that passes through a cell speaks for free, and one that ends in it for occupied, in log
-/// odds; a cell is decided beyond the threshold and never surer than the limit, so that it can be unlearned.
-const PASSED: f32 = -0.4;
-const HIT: f32 = 1.2;
-const DECIDED: f32 = 0.5;
-const LIMIT: f32 = 6.0;
+/// How scans are made evidence. One set of defaults serves all logs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EvidenceParameters {
+    /// How much a beam that passes through a cell speaks for free, in log odds. Default 0.4.
+    pub passed: f64,
+    /// How much a beam that ends in a cell speaks for occupied. Default 1.2.
+    pub hit: f64,
+    /// A cell is decided beyond this. Default 0.5: one hit is enough, one pass is not.
+    pub decided: f64,
+    /// A cell is never surer than this, so that it can be unlearned. Default 6.
+    pub limit: f64,
+    /// Beams are used up to this range, metres: further out they lie too far apart to mean free space. Default 12.
+    pub max_range: f64,
+}
 
-/// Beams are used up to this range, metres: further out they lie too far apart to mean free space.
-pub const MAX_RANGE: f64 = 12.0;
+impl Default for EvidenceParameters {
+    fn default() -> Self {
+        EvidenceParameters { passed: 0.4, hit: 1.2, decided: 0.5, limit: 6.0, max_range: 12.0 }
+    }
+}
 
 /// Evidence of occupancy in log odds, a cell each.
+///
+/// The cells are a ring in either direction: a grid that moves keeps its memory where it is, and gives that of the cells
+/// that go out to those that come in.
 #[derive(Clone, Debug)]
 pub struct EvidenceGrid {
     info: GridInfo,
-    odds: Vec<f32>,
-    /// The scan that last hit a cell, so that no beam of the same scan frees it again.
-    last_hit: Vec<u32>,
-    /// How far the robot had driven when a beam last met a cell, metres.
-    met: Vec<f32>,
+    parameters: EvidenceParameters,
+    cells: Vec<Evidence>,
+    /// Where in the ring the first column and the first row are.
+    first: [usize; 2],
+    /// The cells that the last scan hit, one bit each, so that no beam of the same scan frees them again.
+    hit: Vec<u64>,
     driven: f32,
     memory: f32,
-    scans: u32,
+}
+
+/// What is known of one cell.
+#[derive(Clone, Copy, Debug, Default)]
+struct Evidence {
+    odds: f32,
+    /// How far the robot had driven when a beam last met the cell, metres.
+    met: f32,
 }
 
 impl EvidenceGrid {
     /// A grid without evidence, which forgets what the robot saw so many metres of driving ago: it would lie where the
     /// robot then thought it was.
-    pub fn new(info: GridInfo, memory: f64) -> Self {
+    pub fn new(info: GridInfo, memory: f64, parameters: EvidenceParameters) -> Self {
         let cells = info.width * info.height;
         EvidenceGrid {
             info,
-            odds: vec![0.0; cells],
-            last_hit: vec![0; cells],
-            met: vec![0.0; cells],
+            parameters,
+            cells: vec![Evidence::default(); cells],
+            first: [0, 0],
+            hit: vec![0; cells.div_ceil(64)],
             driven: 0.0,
             memory: memory as f32,
-            scans: 0,
         }
     }
 
     /// Adds a scan taken at a pose of the robot in the grid's frame, when it had driven so many metres. Linear in the
     /// cells that the beams cross.
     pub fn add(&mut self, scan: &LaserScan, grid_from_robot: &Pose, driven: f64) {
-        self.scans += 1;
         self.driven = driven as f32;
-        let from = grid_from_robot.transform_point(&scan.robot_from_laser.position());
-        let ends: Vec<(Point, bool)> =
-            scan.hits().map(|hit| shorten(&from, &grid_from_robot.transform_point(&hit))).collect();
-        for (end, _) in ends.iter().filter(|(_, hit)| *hit) {
-            if let Some(cell) = self.info.cell_at(end) {
-                self.learn(cell, HIT);
-                let at = self.offset(cell);
-                self.last_hit[at] = self.scans;
-            }
+        let (passed, hit) = (-self.parameters.passed as f32, self.parameters.hit as f32);
+        let (frame, grid_from_robot) = (Frame::new(&self.info), grid_from_robot.transform());
+        let from = grid_from_robot.point(&scan.robot_from_laser.position());
+        let max_range = self.parameters.max_range;
+        let beams = scan.hits().map(|hit| shorten(&from, &grid_from_robot.point(&hit), max_range));
+        let beams: Vec<(Point, Option<CellIndex>)> =
+            beams.map(|(end, hit)| (end, frame.cell_at(&end).filter(|_| hit))).collect();
+        let met: Vec<usize> = beams.iter().filter_map(|(_, met)| met.map(|cell| self.offset(cell))).collect();
+        for &at in &met {
+            self.learn(at, hit);
+            self.hit[at / 64] |= 1 << (at % 64);
         }
-        for (end, hit) in &ends {
-            let last = self.info.cell_at(end).filter(|_| *hit);
-            for cell in cells_crossed(&self.info, &from, end) {
+        for (end, _) in &beams {
+            for cell in frame.crossed(&from, end) {
                 let at = self.offset(cell);
-                if Some(cell) != last && self.last_hit[at] != self.scans {
-                    self.learn(cell, PASSED);
+                if self.hit[at / 64] >> (at % 64) & 1 == 0 {
+                    self.learn(at, passed);
                 }
             }
         }
+        met.iter().for_each(|at| self.hit[at / 64] = 0);
     }
 
     /// Moves the grid by whole cells so that a point is in its middle cell; what comes in is not known, what goes out is
-    /// forgotten.
+    /// forgotten. Linear in the cells that come in.
     pub fn center_on(&mut self, point: &Point) {
         let GridInfo { resolution, width, height, origin } = self.info;
         let at = origin.inverse().transform_point(point);
         let cells = |length: f64, side: usize| (length / resolution).floor() as isize - side as isize / 2;
         let (dx, dy) = (cells(at.x, width), cells(at.y, height));
-        if (dx, dy) == (0, 0) {
-            return;
-        }
-        let from = |x: usize, y: usize| {
-            let (x, y) = (x.checked_add_signed(dx)?, y.checked_add_signed(dy)?);
-            (x < width && y < height).then(|| y * width + x)
+        let come_in = |moved: isize, side: usize| match moved {
+            0.. => side.saturating_sub(moved as usize)..side,
+            _ => 0..moved.unsigned_abs().min(side),
         };
-        let cells = || (0..height).flat_map(|y| (0..width).map(move |x| from(x, y)));
-        self.odds = cells().map(|at| at.map_or(0.0, |at| self.odds[at])).collect();
-        self.met = cells().map(|at| at.map_or(0.0, |at| self.met[at])).collect();
-        self.last_hit = cells().map(|at| at.map_or(0, |at| self.last_hit[at])).collect();
+        let turned = |first: usize, moved: isize, side: usize| {
+            (first as isize + moved % side as isize).rem_euclid(side as isize) as usize
+        };
+        self.first = [turned(self.first[0], dx, width), turned(self.first[1], dy, height)];
+        for y in come_in(dy, height) {
+            self.forget(y, 0..width);
+        }
+        for y in 0..height {
+            self.forget(y, come_in(dx, width));
+        }
         let corner = Point::new(dx as f64 * resolution, dy as f64 * resolution);
         let corner = origin.transform_point(&corner);
         self.info.origin = Pose { x: corner.x, y: corner.y, ..origin };
@@ -101,7 +128,7 @@ impl EvidenceGrid {
 
     /// What is decided in the square of so many metres around a point, in a frame with its origin there; cells are
     /// kept as they are, and those outside the grid are unknown.
-    pub fn around(&self, middle: &Point, side: f64) -> Result<OccupancyGrid, crate::grid::GridError> {
+    pub fn around(&self, middle: &Point, side: f64) -> Result<OccupancyGrid, GridError> {
         let GridInfo { resolution, width, height, origin } = self.info;
         let corner = origin.inverse().transform_point(middle) - Vector::new(side, side) / 2.0;
         let first = [corner.x, corner.y].map(|v| (v / resolution).round() as isize);
@@ -115,71 +142,129 @@ impl EvidenceGrid {
             origin: Pose { x: corner.x, y: corner.y, ..origin },
         };
         OccupancyGrid::check(&info)?;
-        let cell = |x: usize, y: usize| {
-            let (x, y) = (x.checked_add_signed(first[0])?, y.checked_add_signed(first[1])?);
-            (x < width && y < height).then(|| self.decided(y * width + x))
-        };
-        let cells = (0..cells).flat_map(|y| (0..cells).map(move |x| cell(x, y).unwrap_or(Cell::Unknown)));
-        OccupancyGrid::new(info, cells.collect())
+        let last = |side: usize, first: isize| (side as isize).min(first.saturating_add(cells as isize));
+        let known = first[0].max(0)..last(width, first[0]);
+        let mut decided = Vec::with_capacity(cells * cells);
+        for y in 0..cells {
+            let row = y.checked_add_signed(first[1]).filter(|&y| y < height && !known.is_empty());
+            let end = decided.len() + cells;
+            if let Some(row) = row {
+                decided.resize(decided.len() + (known.start - first[0]) as usize, Cell::Unknown);
+                for piece in self.row(row, known.start as usize..known.end as usize) {
+                    decided.extend(piece.iter().map(|cell| self.decided(cell)));
+                }
+            }
+            decided.resize(end, Cell::Unknown);
+        }
+        OccupancyGrid::new(info, decided)
     }
 
     /// What is decided by now.
     pub fn occupancy(&self) -> Vec<Cell> {
-        (0..self.odds.len()).map(|at| self.decided(at)).collect()
+        let rows = (0..self.info.height).flat_map(|y| self.row(y, 0..self.info.width));
+        rows.flatten().map(|cell| self.decided(cell)).collect()
     }
 
     /// The decided cells as a grid.
-    pub fn grid(&self) -> Result<OccupancyGrid, crate::grid::GridError> {
+    pub fn grid(&self) -> Result<OccupancyGrid, GridError> {
         OccupancyGrid::new(self.info, self.occupancy())
     }
 
-    fn learn(&mut self, cell: CellIndex, evidence: f32) {
-        let at = self.offset(cell);
-        let known = if self.is_forgotten(at) { 0.0 } else { self.odds[at] };
-        self.odds[at] = (known + evidence).clamp(-LIMIT, LIMIT);
-        self.met[at] = self.driven;
+    fn learn(&mut self, at: usize, evidence: f32) {
+        let limit = self.parameters.limit as f32;
+        let cell = &mut self.cells[at];
+        let known = if self.driven - cell.met > self.memory { 0.0 } else { cell.odds };
+        *cell = Evidence { odds: (known + evidence).clamp(-limit, limit), met: self.driven };
     }
 
-    fn decided(&self, at: usize) -> Cell {
-        match self.odds[at] {
-            _ if self.is_forgotten(at) => Cell::Unknown,
-            odds if odds > DECIDED => Cell::Occupied,
-            odds if odds < -DECIDED => Cell::Free,
-            _ => Cell::Unknown,
+    fn decided(&self, cell: &Evidence) -> Cell {
+        let decided = self.parameters.decided as f32;
+        let odds = if self.driven - cell.met > self.memory { 0.0 } else { cell.odds };
+        if odds > decided {
+            Cell::Occupied
+        } else if odds < -decided {
+            Cell::Free
+        } else {
+            Cell::Unknown
         }
     }
 
-    fn is_forgotten(&self, at: usize) -> bool {
-        self.driven - self.met[at] > self.memory
+    /// Where a cell is in the ring.
+    fn offset(&self, cell: CellIndex) -> usize {
+        let wrapped = |at: usize, side: usize| if at < side { at } else { at - side };
+        let row = wrapped(cell.y + self.first[1], self.info.height);
+        row * self.info.width + wrapped(cell.x + self.first[0], self.info.width)
     }
 
-    fn offset(&self, cell: CellIndex) -> usize {
-        cell.y * self.info.width + cell.x
+    /// The pieces of the ring that are some cells of a row, in their order.
+    fn pieces(&self, y: usize, columns: Range<usize>) -> [Range<usize>; 2] {
+        let width = self.info.width;
+        let start = self.offset(CellIndex { x: 0, y }) - self.first[0];
+        let (from, to) = (columns.start + self.first[0], columns.end + self.first[0]);
+        let before = start + from.min(width)..start + to.min(width);
+        let behind = start + from.max(width) - width..start + to.max(width) - width;
+        [before, behind]
+    }
+
+    fn row(&self, y: usize, columns: Range<usize>) -> [&[Evidence]; 2] {
+        self.pieces(y, columns).map(|piece| &self.cells[piece])
+    }
+
+    fn forget(&mut self, y: usize, columns: Range<usize>) {
+        for piece in self.pieces(y, columns) {
+            self.cells[piece].fill(Evidence::default());
+        }
     }
 }
 
-/// The point at which a beam ends for the grid, and whether it is a hit: beams beyond [`MAX_RANGE`] are cut.
-fn shorten(from: &Point, to: &Point) -> (Point, bool) {
+/// The point at which a beam ends for the grid, and whether it is a hit: beams beyond the greatest range are cut.
+fn shorten(from: &Point, to: &Point, max_range: f64) -> (Point, bool) {
     let beam = to - from;
     let length = beam.norm();
-    if length < MAX_RANGE { (*to, true) } else { (from + beam * (MAX_RANGE / length), false) }
+    if length < max_range { (*to, true) } else { (from + beam * (max_range / length), false) }
 }
 
 /// The cells that the segment between two points of the grid's frame crosses, in order, those outside the grid
 /// left out (Amanatides and Woo 1987). Ours because a query against a shape hierarchy costs several times as
 /// much a ray; tested against parry's ray casting.
 pub fn cells_crossed(info: &GridInfo, from: &Point, to: &Point) -> impl Iterator<Item = CellIndex> + use<> {
-    let local = |point: &Point| {
-        let p = info.origin.inverse().transform_point(point);
-        [p.x / info.resolution, p.y / info.resolution]
-    };
-    let (start, end) = (local(from), local(to));
-    let (width, height) = (info.width as i64, info.height as i64);
-    let steps = Steps::new(start, end);
-    steps.filter_map(move |[x, y]| {
-        let inside = (0..width).contains(&x) && (0..height).contains(&y);
+    Frame::new(info).crossed(from, to)
+}
+
+/// Points of a grid's frame in cells from its corner.
+struct Frame {
+    cells_from_grid: Transform,
+    resolution: f64,
+    width: i64,
+    height: i64,
+}
+
+impl Frame {
+    fn new(info: &GridInfo) -> Self {
+        let cells_from_grid = info.origin.inverse().transform();
+        let (width, height) = (info.width as i64, info.height as i64);
+        Frame { cells_from_grid, resolution: info.resolution, width, height }
+    }
+
+    fn local(&self, point: &Point) -> [f64; 2] {
+        let p = self.cells_from_grid.point(point);
+        [p.x / self.resolution, p.y / self.resolution]
+    }
+
+    /// As [`GridInfo::cell_at`].
+    fn cell_at(&self, point: &Point) -> Option<CellIndex> {
+        let [x, y] = self.local(point).map(f64::floor);
+        let inside = x >= 0.0 && y >= 0.0 && x < self.width as f64 && y < self.height as f64;
         inside.then_some(CellIndex { x: x as usize, y: y as usize })
-    })
+    }
+
+    fn crossed(&self, from: &Point, to: &Point) -> impl Iterator<Item = CellIndex> + use<> {
+        let (width, height) = (self.width, self.height);
+        Steps::new(self.local(from), self.local(to)).filter_map(move |[x, y]| {
+            let inside = (0..width).contains(&x) && (0..height).contains(&y);
+            inside.then_some(CellIndex { x: x as usize, y: y as usize })
+        })
+    }
 }
 
 /// Cells from the grid's corner beyond which a segment is not walked along.
@@ -284,7 +369,7 @@ mod tests {
 
     #[test]
     fn a_wall_ahead_is_occupied_and_the_way_to_it_free() {
-        let mut grid = EvidenceGrid::new(info(), 10.0);
+        let mut grid = EvidenceGrid::new(info(), 10.0, EvidenceParameters::default());
         let scan = LaserScan {
             laser: crate::sensor::log::LaserNumber::FRONT,
             stamp: 0.0,

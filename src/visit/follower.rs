@@ -34,7 +34,7 @@ impl Follower {
         OccupancyGrid::check(&info)?;
         Ok(Follower {
             matcher: ScanMatcher::new(parameters.matching),
-            evidence: EvidenceGrid::new(info, parameters.matching.memory),
+            evidence: EvidenceGrid::new(info, parameters.matching.memory, parameters.evidence),
             moments: Vec::new(),
             scans: 0,
             side,
