@@ -1,5 +1,6 @@
 //! Removal of specks: what is too small to be an obstacle or a shadow that matters.
 
+use crate::grid::patches::Patches;
 use crate::grid::plane::Plane;
 use crate::grid::{Cell, GridInfo, OccupancyGrid};
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -92,22 +93,6 @@ fn gap(
     (1..=if closed { count } else { 0 }).map(move |k| start + k * step)
 }
 
-/// A horizontal run of cells, `start..end` in row-major order.
-struct Run {
-    start: usize,
-    end: usize,
-    /// The run of its patch that comes first, or one on the way to it; once all runs are joined, the patch's number.
-    patch: usize,
-}
-
-/// Patches of the chosen cells that touch one another by their sides, or by corners too.
-struct Patches {
-    width: usize,
-    runs: Vec<Run>,
-    /// The cells of each patch.
-    sizes: Vec<usize>,
-}
-
 /// Directions in which a patch is measured: a sixteenth of a turn apart, so that no length is short by more than 2 %.
 const DIRECTIONS: [(f64, f64); 8] = [
     (1.0, 0.0),
@@ -120,71 +105,17 @@ const DIRECTIONS: [(f64, f64); 8] = [
     (-0.923_879_532_511_286_7, 0.382_683_432_365_089_8),
 ];
 
+/// What patches are by their size.
 impl Patches {
-    /// Linear in the runs, but for the search of their roots.
-    fn new(chosen: &Plane, corners: bool) -> Self {
-        let mut patches = Patches { width: chosen.width(), runs: Vec::new(), sizes: Vec::new() };
-        let reach = usize::from(corners);
-        // The first run of the row below that may touch the next one.
-        let mut below = 0;
-        chosen.each_run(|start, end| {
-            patches.runs.push(Run { start, end, patch: patches.runs.len() });
-            below = patches.join(below, reach);
-        });
-        patches.number();
-        patches
-    }
-
-    /// Joins the last run with those of the row below that it touches, of which none comes before `below`. The first
-    /// that the next run may touch.
-    fn join(&mut self, mut below: usize, reach: usize) -> usize {
-        let (last, width) = (self.runs.len() - 1, self.width);
-        let (start, end) = (self.runs[last].start, self.runs[last].end);
-        let (row, row_below) = (start / width, |run: &Run| run.start / width + 1);
-        while row_below(&self.runs[below]) < row
-            || (row_below(&self.runs[below]) == row && self.runs[below].end + width + reach <= start)
-        {
-            below += 1;
-        }
-        let mut run = below;
-        while row_below(&self.runs[run]) == row && self.runs[run].start + width < end + reach {
-            let (a, b) = (self.root(run), self.root(last));
-            self.runs[a.max(b)].patch = a.min(b);
-            run += 1;
-        }
-        below
-    }
-
-    fn root(&self, mut run: usize) -> usize {
-        while self.runs[run].patch != run {
-            run = self.runs[run].patch;
-        }
-        run
-    }
-
-    /// Numbers the patches in the order of their first runs.
-    fn number(&mut self) {
-        for run in 0..self.runs.len() {
-            // A run is linked to one before it, which has its number already.
-            let link = self.runs[run].patch;
-            let patch = if link == run { self.sizes.len() } else { self.runs[link].patch };
-            if link == run {
-                self.sizes.push(0);
-            }
-            self.sizes[patch] += self.runs[run].end - self.runs[run].start;
-            self.runs[run].patch = patch;
-        }
-    }
-
     /// For every patch, whether it has less than so many cells.
     fn strays(&self, least: f64) -> Vec<bool> {
-        self.sizes.iter().map(|&size| (size as f64) < least).collect()
+        self.sizes().iter().map(|&size| (size as f64) < least).collect()
     }
 
     /// For every patch, whether it has less than so many cells and none of them is occupied.
     fn shadows(&self, least: f64, cells: &[Cell]) -> Vec<bool> {
         let mut shadows = self.strays(least);
-        for run in &self.runs {
+        for run in self.runs() {
             shadows[run.patch] = shadows[run.patch] && !cells[run.start..run.end].contains(&Cell::Occupied);
         }
         shadows
@@ -193,11 +124,11 @@ impl Patches {
     /// For every patch, whether no two of its points, sides of cells included, are further apart than so many cells.
     fn posts(&self, longest: f64) -> Vec<bool> {
         // No more cells lie within a square of that side.
-        let small: Vec<bool> = self.sizes.iter().map(|&size| size as f64 <= longest * longest).collect();
+        let small: Vec<bool> = self.sizes().iter().map(|&size| size as f64 <= longest * longest).collect();
         let mut reach = vec![[(f64::INFINITY, f64::NEG_INFINITY); 8]; small.len()];
-        for run in self.runs.iter().filter(|run| small[run.patch]) {
-            let y = (run.start / self.width) as f64;
-            for x in [run.start % self.width, (run.end - 1) % self.width].map(|x| x as f64) {
+        for run in self.runs().iter().filter(|run| small[run.patch]) {
+            let y = (run.start / self.width()) as f64;
+            for x in [run.start % self.width(), (run.end - 1) % self.width()].map(|x| x as f64) {
                 for (reach, (a, b)) in reach[run.patch].iter_mut().zip(DIRECTIONS) {
                     let offset = a * x + b * y;
                     *reach = (reach.0.min(offset), reach.1.max(offset));
@@ -207,12 +138,6 @@ impl Patches {
         let longest_of =
             |reach: &[(f64, f64); 8]| reach.iter().map(|(low, high)| high - low + 1.0).fold(0.0, f64::max);
         small.iter().zip(&reach).map(|(&small, reach)| small && longest_of(reach) <= longest).collect()
-    }
-
-    /// The cells of all patches that are as wanted.
-    fn cells_of(&self, wanted: &[bool]) -> impl Iterator<Item = usize> {
-        let runs = self.runs.iter().filter(|run| wanted[run.patch]);
-        runs.flat_map(|run| run.start..run.end)
     }
 }
 

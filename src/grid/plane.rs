@@ -23,6 +23,33 @@ impl Plane {
         Plane { words, width, stride }
     }
 
+    /// No cells of a grid of so many columns and rows.
+    pub(super) fn empty(width: usize, height: usize) -> Self {
+        let stride = width.div_ceil(64);
+        Plane { words: vec![0; stride * height], width, stride }
+    }
+
+    /// Adds those cells of a stretch of a row of which something holds, told by their position in the stretch.
+    pub(super) fn insert_where(&mut self, first: usize, count: usize, holds: impl Fn(usize) -> bool) {
+        let (y, x) = (first / self.width, first % self.width);
+        let row = &mut self.words[y * self.stride..(y + 1) * self.stride];
+        for (k, word) in row.iter_mut().enumerate() {
+            let (low, high) = ((k * 64).max(x), (k * 64 + 64).min(x + count));
+            for at in low..high {
+                *word |= u64::from(holds(at - x)) << (at % 64);
+            }
+        }
+    }
+
+    pub(super) fn contains(&self, cell: usize) -> bool {
+        let (word, bit) = self.place(cell);
+        self.words[word] & bit != 0
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.words.iter().all(|&word| word == 0)
+    }
+
     /// Cells of a row.
     pub(super) fn width(&self) -> usize {
         self.width
