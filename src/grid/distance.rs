@@ -64,17 +64,17 @@ impl DistanceField {
         let mut sides = Sides::default();
         let inner = match self.squared[self.info.offset(at)] {
             BOUNDLESS => return sides,
-            squared => f64::from(squared),
+            squared => i64::from(squared),
         };
         let mut best = [f64::INFINITY; 2];
-        let outer = (inner.sqrt() + slack / self.info.resolution).powi(2);
+        let outer = ((inner as f64).sqrt() + slack / self.info.resolution).powi(2);
         let reach = outer.sqrt() as isize;
         let GridInfo { width, height, .. } = self.info;
         let (x, y) = (at.x as isize, at.y as isize);
         for dy in (-reach).max(-y)..=reach.min(height as isize - 1 - y) {
             let across = (dy * dy) as f64;
             let far = (outer - across).max(0.0).sqrt() as isize;
-            let near = (inner - across).max(0.0).sqrt().ceil() as isize;
+            let near = root_above(inner - (dy * dy) as i64) as isize;
             let start = at.y.wrapping_add_signed(dy) * width;
             let row = &self.squared[start..start + width];
             let mut look = |from: isize, to: isize| {
@@ -103,6 +103,12 @@ impl DistanceField {
         }
         sides
     }
+}
+
+/// The least whole number whose square is not below a number.
+fn root_above(squared: i64) -> i64 {
+    let root = (squared.max(0) as f64).sqrt() as i64;
+    root + i64::from(root * root < squared)
 }
 
 /// Squared distances in cells to the nearest cell that is not free, of which there must be one: first along columns,

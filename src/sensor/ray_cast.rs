@@ -144,17 +144,17 @@ impl EvidenceGrid {
         OccupancyGrid::check(&info)?;
         let last = |side: usize, first: isize| (side as isize).min(first.saturating_add(cells as isize));
         let known = first[0].max(0)..last(width, first[0]);
-        let mut decided = Vec::with_capacity(cells * cells);
-        for y in 0..cells {
-            let row = y.checked_add_signed(first[1]).filter(|&y| y < height && !known.is_empty());
-            let end = decided.len() + cells;
-            if let Some(row) = row {
-                decided.resize(decided.len() + (known.start - first[0]) as usize, Cell::Unknown);
-                for piece in self.row(row, known.start as usize..known.end as usize) {
-                    decided.extend(piece.iter().map(|cell| self.decided(cell)));
-                }
-            }
-            decided.resize(end, Cell::Unknown);
+        let mut decided = vec![Cell::Unknown; cells * cells];
+        for (y, out) in decided.chunks_exact_mut(cells.max(1)).enumerate() {
+            let Some(row) = y.checked_add_signed(first[1]).filter(|&y| y < height && !known.is_empty())
+            else {
+                continue;
+            };
+            let out = &mut out[(known.start - first[0]) as usize..];
+            let [before, behind] = self.row(row, known.start as usize..known.end as usize);
+            let (left, right) = out.split_at_mut(before.len());
+            left.iter_mut().zip(before).for_each(|(out, cell)| *out = self.decided(cell));
+            right.iter_mut().zip(behind).for_each(|(out, cell)| *out = self.decided(cell));
         }
         OccupancyGrid::new(info, decided)
     }

@@ -76,8 +76,13 @@ impl Walls {
         let mut best: Option<(f64, Surface)> = None;
         let mut ring = 0;
         while ring <= last {
-            for away in ring_around(ring) {
-                let Some(Element { surface, .. }) = self.element_beside(here, middle, away) else { continue };
+            for offset in ring_around(ring) {
+                if best.is_some_and(|(nearest, _)| self.gap(&to.at, here, offset) > nearest) {
+                    continue;
+                }
+                let Some(Element { surface, .. }) = self.element_beside(here, middle, offset) else {
+                    continue;
+                };
                 let away = (surface.at - to.at).norm();
                 let same = away < reach && surface.normal.dot(&to.normal) > SAME_WALL;
                 if same && best.is_none_or(|(nearest, _)| away < nearest) {
@@ -100,6 +105,17 @@ impl Walls {
             return None;
         }
         self.elements[slot].as_ref().filter(|element| self.driven - element.driven <= self.memory)
+    }
+
+    /// A bound below which no point of the square so many columns and rows beside that of a point comes to it. What is
+    /// known of a square lies in it, but for rounding.
+    fn gap(&self, at: &Point, here: [i32; 2], offset: [i32; 2]) -> f64 {
+        let along = |at: f64, here: i32, offset: i32| {
+            let border = f64::from(here + i32::from(offset < 0) + offset) * self.side;
+            if offset == 0 { 0.0 } else { (at - border).abs() }
+        };
+        let (x, y) = (along(at.x, here[0], offset[0]), along(at.y, here[1], offset[1]));
+        x.max(y) - 1e-6
     }
 
     /// The element of the square so many columns and rows beside one, of which the place in the window is known.
