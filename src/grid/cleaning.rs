@@ -145,6 +145,7 @@ impl Patches {
 mod tests {
     use super::*;
     use crate::geometry::Pose;
+    use proptest::prelude::*;
 
     fn cleaned(picture: &[&str]) -> Vec<String> {
         let width = picture[0].len();
@@ -184,6 +185,85 @@ mod tests {
         assert_eq!(cleaned(&["??.??", "?????", "??.??"]), ["??.??", "??.??", "??.??"]);
         assert_eq!(cleaned(&["??.??", "?????", "??.#."]), ["??.??", "?????", "??.?."]);
         assert_eq!(cleaned(&["#####", ".###.", ".???."]), ["#####", ".###.", ".???."]);
+    }
+
+    /// The same, cell by cell from the definitions.
+    fn slowly(grid: &OccupancyGrid, gap: usize, stray: usize, shadow: usize, post: f64) -> Vec<Cell> {
+        let info = *grid.info();
+        let mut cells = grid.cells().to_vec();
+        let touches = |cells: &[Cell], i: usize| {
+            info.neighbors(info.index(i), true).any(|at| cells[info.offset(at)] == Cell::Occupied)
+        };
+        for (dx, dy) in [(1, 0), (0, 1)] {
+            let before = cells.clone();
+            let at = |i: usize, k: isize| {
+                info.shifted(info.index(i), k * dx, k * dy).map(|at| before[info.offset(at)])
+            };
+            let to_free = |i: usize, sign: isize| {
+                let steps = (1..=gap as isize).find(|&k| at(i, sign * k) != Some(Cell::Unknown))?;
+                (at(i, sign * steps) == Some(Cell::Free)).then_some(steps as usize)
+            };
+            for i in (0..cells.len()).filter(|&i| before[i] == Cell::Unknown && !touches(&before, i)) {
+                if let (Some(back), Some(on)) = (to_free(i, -1), to_free(i, 1))
+                    && back + on <= gap + 1
+                {
+                    cells[i] = Cell::Free;
+                }
+            }
+        }
+        let patch = |cells: &[Cell], start: usize, corners: bool, chosen: fn(Cell) -> bool| {
+            let mut patch = std::collections::BTreeSet::new();
+            let mut open = Vec::from_iter(chosen(cells[start]).then_some(start));
+            while let Some(i) = open.pop() {
+                if patch.insert(i) {
+                    let around = info.neighbors(info.index(i), corners).map(|at| info.offset(at));
+                    open.extend(around.filter(|&j| chosen(cells[j])));
+                }
+            }
+            patch
+        };
+        let mut change =
+            |corners, chosen: fn(Cell) -> bool, to, small: &dyn Fn(&[Cell], &[usize]) -> bool| {
+                let before = cells.clone();
+                for i in (0..cells.len()).filter(|&i| chosen(before[i])) {
+                    let patch: Vec<usize> = patch(&before, i, corners, chosen).into_iter().collect();
+                    if small(&before, &patch) {
+                        cells[i] = to;
+                    }
+                }
+            };
+        let closed = |cell| cell != Cell::Free;
+        change(true, |cell| cell == Cell::Occupied, Cell::Unknown, &|_, patch| patch.len() < stray);
+        change(false, closed, Cell::Free, &|cells, patch| {
+            patch.len() < shadow && patch.iter().all(|&i| cells[i] == Cell::Unknown)
+        });
+        change(true, closed, Cell::Free, &|_, patch| {
+            DIRECTIONS.iter().all(|(a, b)| {
+                let along = patch.iter().map(|&i| info.index(i)).map(|at| a * at.x as f64 + b * at.y as f64);
+                let (low, high) =
+                    along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+                high - low + 1.0 <= post
+            })
+        });
+        cells
+    }
+
+    proptest! {
+        #[test]
+        fn cleaning_is_that_of_the_definitions(
+            (width, cells) in (1usize..90, 1usize..14).prop_flat_map(|(width, height)| {
+                let cell = prop_oneof![8 => Just(Cell::Free), 3 => Just(Cell::Unknown), 1 => Just(Cell::Occupied)];
+                (Just(width), prop::collection::vec(cell, width * height))
+            }),
+            (gap, stray, shadow, post) in (0usize..6, 0usize..6, 0usize..9, 0u32..5),
+        ) {
+            let info = GridInfo { resolution: 1.0, width, height: cells.len() / width, origin: Pose::IDENTITY };
+            let grid = OccupancyGrid::new(info, cells).unwrap();
+            let post = f64::from(post) + 0.3;
+            let parameters = CleaningParameters { gap: gap as f64, stray: stray as f64, shadow: shadow as f64, post };
+            let slow = slowly(&grid, gap, stray, shadow, post);
+            prop_assert_eq!(clean(&grid, &parameters).cells(), slow);
+        }
     }
 
     #[test]

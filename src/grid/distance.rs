@@ -217,6 +217,32 @@ mod tests {
                 prop_assert!(found == expected || (found - expected).abs() < 1e-9, "{found} {expected}");
             }
         }
+
+        #[test]
+        fn sides_are_those_of_brute_force(
+            (width, cells) in (1usize..24, 1usize..24).prop_flat_map(|(w, h)| (Just(w), prop::collection::vec(any_cell(), w * h))),
+            (pick, angle, slack, least_sine) in (0usize..1000, -3.1..3.1f64, 0.0..1.0f64, 0.0..0.9f64),
+        ) {
+            let grid = grid(width, cells);
+            let field = DistanceField::new(&grid);
+            let at = grid.info().index(pick % grid.cells().len());
+            let along = crate::geometry::direction(angle);
+            let farthest = field.clearance(at) / 0.1 + slack / 0.1;
+            let mut best: [Option<(f64, CellIndex)>; 2] = [None; 2];
+            for other in (0..grid.cells().len()).filter(|&i| grid.cells()[i] != Cell::Free).map(|i| grid.info().index(i)) {
+                let (dx, dy) = (other.x as f64 - at.x as f64, other.y as f64 - at.y as f64);
+                let (squared, cross) = (dx * dx + dy * dy, along.x * dy - along.y * dx);
+                let near_limit = (squared.sqrt() - farthest).abs() < 1e-9;
+                prop_assume!(!near_limit);
+                let beside = cross != 0.0 && cross * cross >= least_sine * least_sine * squared;
+                let side = &mut best[usize::from(cross < 0.0)];
+                if beside && squared.sqrt() < farthest && side.is_none_or(|(nearest, _)| squared < nearest) {
+                    *side = Some((squared, other));
+                }
+            }
+            let [left, right] = best.map(|found| found.map(|(_, cell)| cell));
+            prop_assert_eq!(field.sides(at, &along, slack, least_sine), Sides { left, right });
+        }
     }
 
     #[test]

@@ -394,6 +394,7 @@ fn dead_end(exit: usize, core: &Core) -> Option<usize> {
 mod tests {
     use super::*;
     use crate::worlds::drawing::{Drawing, window};
+    use proptest::prelude::*;
 
     fn skeleton(plan: &Drawing, robot: (f64, f64)) -> Result<(Skeleton, DistanceField), SkeletonError> {
         let robot = Point::new(robot.0, robot.1);
@@ -402,6 +403,25 @@ mod tests {
         let skeleton =
             skeletonize(&grid, &distance, &Surroundings::of(robot), &SkeletonParameters::default())?;
         Ok((skeleton, distance))
+    }
+
+    proptest! {
+        #[test]
+        fn the_stretches_of_a_window_are_its_cells(
+            (width, height) in (1usize..30, 1usize..30), (x, y) in (0usize..1000, 0usize..1000), radius in 0.0..40.0f64,
+        ) {
+            let info = GridInfo { resolution: 1.0, width, height, origin: crate::geometry::Pose::IDENTITY };
+            let window = Window::new(&info, CellIndex { x: x % width, y: y % height }, radius, 1.0);
+            let cut = window.cut;
+            let rows = (0..cut.height).flat_map(|y| window.stretch(y * cut.width));
+            let found: Vec<CellIndex> = rows.map(|place| window.cell(place)).collect();
+            let all = (0..width * height).map(|i| info.index(i));
+            prop_assert_eq!(found, all.filter(|&at| window.contains(at)).collect::<Vec<_>>());
+            for at in (0..width * height).map(|i| info.index(i)) {
+                prop_assert!(window.place(at).is_none_or(|place| window.cell(place) == at));
+                prop_assert!(window.place(at).is_some() || !window.contains(at));
+            }
+        }
     }
 
     #[test]

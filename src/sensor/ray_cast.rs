@@ -324,6 +324,7 @@ mod tests {
     use parry2d_f64::math::Vector as ParryVector;
     use parry2d_f64::query::{Ray, RayCast};
     use proptest::prelude::*;
+    use std::collections::BTreeMap;
 
     fn info() -> GridInfo {
         GridInfo { resolution: 0.25, width: 20, height: 12, origin: Pose::new(-1.0, 0.5, 0.7) }
@@ -356,6 +357,94 @@ mod tests {
             }
             prop_assert!(walked.iter().all(|&c| crosses(c, start, end, 1e-9)));
             prop_assert_eq!(walked.last().copied(), Some(end.map(|v: f64| v.floor() as i64)));
+        }
+    }
+
+    /// The same evidence without a ring: cells by their place in a plane without end.
+    struct Plain {
+        known: BTreeMap<[isize; 2], Evidence>,
+        corner: [isize; 2],
+    }
+
+    impl Plain {
+        fn add(&mut self, info: &GridInfo, scan: &LaserScan, pose: &Pose, driven: f32, memory: f32) {
+            let EvidenceParameters { passed, hit, limit, max_range, .. } = EvidenceParameters::default();
+            let from = pose.transform_point(&scan.robot_from_laser.position());
+            let there = |at: CellIndex| [self.corner[0] + at.x as isize, self.corner[1] + at.y as isize];
+            let (mut hits, mut crossed) = (Vec::new(), Vec::new());
+            for end in scan.hits().map(|end| pose.transform_point(&end)) {
+                let (end, met) = shorten(&from, &end, max_range);
+                hits.extend(info.cell_at(&end).filter(|_| met).map(there));
+                crossed.extend(cells_crossed(info, &from, &end).map(there));
+            }
+            crossed.retain(|at| !hits.contains(at));
+            let learned = hits
+                .iter()
+                .map(|&at| (at, hit as f32))
+                .chain(crossed.into_iter().map(|at| (at, -passed as f32)));
+            for (at, evidence) in learned {
+                let cell = self.known.entry(at).or_default();
+                let known = if driven - cell.met > memory { 0.0 } else { cell.odds };
+                *cell = Evidence { odds: (known + evidence).clamp(-limit as f32, limit as f32), met: driven };
+            }
+        }
+
+        fn move_to(&mut self, before: &GridInfo, now: &GridInfo) {
+            let moved = before.origin.inverse().transform_point(&now.origin.position()) / before.resolution;
+            self.corner =
+                [self.corner[0] + moved.x.round() as isize, self.corner[1] + moved.y.round() as isize];
+            let [x, y] = self.corner;
+            let (width, height) = (now.width as isize, now.height as isize);
+            self.known.retain(|at, _| (x..x + width).contains(&at[0]) && (y..y + height).contains(&at[1]));
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_ring_of_cells_knows_what_a_plane_knows(
+            steps in prop::collection::vec(
+                (prop::option::of((-9.0..9.0f64, -9.0..9.0f64)), (0.0..4.0f64, 0.0..2.0f64, -3.0..3.0f64), prop::collection::vec(0.1..6.0f64, 1..6), 0.0..4.0f64),
+                1..12,
+            ),
+            side in 0.25..6.0f64,
+        ) {
+            let memory = 10.0;
+            let mut grid = EvidenceGrid::new(info(), memory, EvidenceParameters::default());
+            let mut plain = Plain { known: BTreeMap::new(), corner: [0, 0] };
+            let mut driven = 0.0;
+            for (moved, (x, y, theta), ranges, step) in steps {
+                driven += step;
+                if let Some((x, y)) = moved {
+                    let before = grid.info;
+                    grid.center_on(&(before.origin.position() + Vector::new(x, y)));
+                    plain.move_to(&before, &grid.info);
+                }
+                let pose = grid.info.origin.compose(&Pose::new(x, y, theta));
+                let scan = LaserScan {
+                    laser: crate::sensor::log::LaserNumber::FRONT,
+                    stamp: 0.0,
+                    odom_from_robot: Pose::IDENTITY,
+                    robot_from_laser: Pose::new(0.1, 0.0, 0.0),
+                    start_angle: -0.3,
+                    angle_increment: 0.2,
+                    ranges: ranges.into_iter().map(Some).collect(),
+                };
+                grid.add(&scan, &pose, driven);
+                plain.add(&grid.info, &scan, &pose, driven as f32, memory as f32);
+                let known = |x: isize, y: isize| {
+                    let cell = plain.known.get(&[plain.corner[0] + x, plain.corner[1] + y]);
+                    cell.map_or(Cell::Unknown, |cell| grid.decided(cell))
+                };
+                let wanted: Vec<Cell> = (0..12).flat_map(|y| (0..20).map(move |x| (x, y))).map(|(x, y)| known(x, y)).collect();
+                prop_assert_eq!(grid.occupancy(), wanted);
+                let middle = pose.position();
+                let around = grid.around(&middle, side).unwrap();
+                for (i, &cell) in around.cells().iter().enumerate() {
+                    let center = around.info().center(around.info().index(i)) + middle.coords;
+                    let local = grid.info.origin.inverse().transform_point(&center) / grid.info.resolution;
+                    prop_assert_eq!(cell, known(local.x.floor() as isize, local.y.floor() as isize));
+                }
+            }
         }
     }
 
