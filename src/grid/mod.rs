@@ -9,6 +9,7 @@ mod patches;
 mod plane;
 mod rooms;
 mod thinning;
+mod window;
 
 pub use cleaning::{CleaningParameters, clean};
 pub use distance::DistanceField;
