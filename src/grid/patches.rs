@@ -20,7 +20,7 @@ pub(super) struct Patches {
 }
 
 impl Patches {
-    /// Linear in the runs, but for the search of their roots.
+    /// Linear in the runs, but for a logarithm.
     pub(super) fn new(chosen: &Plane, corners: bool) -> Self {
         let mut patches = Patches { width: chosen.width(), runs: Vec::new(), sizes: Vec::new() };
         let reach = usize::from(corners);
@@ -54,9 +54,12 @@ impl Patches {
         below
     }
 
-    fn root(&self, mut run: usize) -> usize {
+    /// The first run of a patch, from any of its runs; the way there is made half as long.
+    fn root(&mut self, mut run: usize) -> usize {
         while self.runs[run].patch != run {
-            run = self.runs[run].patch;
+            let above = self.runs[run].patch;
+            self.runs[run].patch = self.runs[above].patch;
+            run = above;
         }
         run
     }

@@ -319,7 +319,6 @@ fn dead_end(exit: usize, core: &Core) -> Option<usize> {
 mod tests {
     use super::*;
     use crate::worlds::drawing::{Drawing, window};
-    use proptest::prelude::*;
 
     fn skeleton(plan: &Drawing, robot: (f64, f64)) -> Result<(Skeleton, DistanceField), SkeletonError> {
         let robot = Point::new(robot.0, robot.1);

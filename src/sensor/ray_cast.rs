@@ -99,15 +99,10 @@ impl Iterator for Steps {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Pose;
     use parry2d_f64::bounding_volume::Aabb;
     use parry2d_f64::math::Vector as ParryVector;
     use parry2d_f64::query::{Ray, RayCast};
     use proptest::prelude::*;
-
-    fn info() -> GridInfo {
-        GridInfo { resolution: 0.25, width: 20, height: 12, origin: Pose::new(-1.0, 0.5, 0.7) }
-    }
 
     /// Whether the segment passes through the inside of the cell, by parry.
     fn crosses(cell: [i64; 2], start: [f64; 2], end: [f64; 2], slack: f64) -> bool {
