@@ -44,7 +44,12 @@ impl Pose {
 
     /// The coordinates in frame `a` of a point given in frame `b`, for `self = a_from_b`.
     pub fn transform_point(&self, point: &Point) -> Point {
-        self.rotation() * point + Vector::new(self.x, self.y)
+        self.transform().point(point)
+    }
+
+    /// The same transform, made ready for many points.
+    pub fn transform(&self) -> Transform {
+        Transform { rotation: self.rotation(), translation: Vector::new(self.x, self.y) }
     }
 
     /// The direction in frame `a` of a vector given in frame `b`, for `self = a_from_b`.
@@ -64,6 +69,25 @@ impl Pose {
 
     fn rotation(&self) -> nalgebra::Rotation2<f64> {
         nalgebra::Rotation2::new(self.theta)
+    }
+}
+
+/// A pose whose sine and cosine are known, for many points.
+#[derive(Clone, Copy, Debug)]
+pub struct Transform {
+    rotation: nalgebra::Rotation2<f64>,
+    translation: Vector,
+}
+
+impl Transform {
+    /// As [`Pose::transform_point`].
+    pub fn point(&self, point: &Point) -> Point {
+        self.rotation * point + self.translation
+    }
+
+    /// As [`Pose::rotate`].
+    pub fn rotate(&self, vector: &Vector) -> Vector {
+        self.rotation * vector
     }
 }
 

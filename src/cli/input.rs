@@ -2,8 +2,8 @@
 
 use crate::cli::failure::Failure;
 use crate::cli::log::{LogArgs, LogScans, is_log, read_log};
-use crate::sensor::LaserScan;
 use crate::sensor::log::LogError;
+use crate::sensor::{LaserScan, LocalPose, ScanMatcher};
 use crate::trace::recording::{Arrival, Recorder};
 use crate::trace::{Event, read_lines};
 use crate::visit::truth::Timetable;
@@ -13,6 +13,8 @@ use flate2::read::MultiGzDecoder;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
+use std::sync::mpsc;
+use std::thread;
 
 /// The events of an input up to its first fault.
 #[derive(Default)]
@@ -55,9 +57,11 @@ pub(super) fn plain_extension(path: &Path) -> String {
 /// The events of a log up to its first fault.
 fn found_visits(input: &Path, mut log: LogScans) -> Result<Events, Failure> {
     let bad = |error: &dyn std::fmt::Display| Failure::input(input, error);
-    let mut detector = VisitDetector::new(VisitParameters::default()).map_err(|error| bad(&error))?;
+    let parameters = VisitParameters::default();
+    let mut detector = VisitDetector::new(parameters).map_err(|error| bad(&error))?;
     let mut stages = Vec::new();
-    let fault = feed(&mut log, |scan| stages.extend(detector.add(scan)));
+    let matcher = ScanMatcher::new(parameters.matching);
+    let fault = feed(&mut log, matcher, |scan, pose| stages.extend(detector.add_placed(scan, pose)));
     stages.extend(detector.finish());
     Events::of(input, &log, stages, fault)
 }
@@ -66,10 +70,11 @@ fn found_visits(input: &Path, mut log: LogScans) -> Result<Events, Failure> {
 fn visits_at(input: &Path, mut log: LogScans, visits: &Path) -> Result<Events, Failure> {
     let bad = |error: &dyn std::fmt::Display| Failure::input(visits, error);
     let arrivals = read_arrivals(visits)?.into_iter().map(|arrival| arrival.scan).collect();
-    let mut marked =
-        AnnotatedVisits::new(arrivals, &VisitParameters::default()).map_err(|error| bad(&error))?;
+    let parameters = VisitParameters::default();
+    let mut marked = AnnotatedVisits::new(arrivals, &parameters).map_err(|error| bad(&error))?;
     let mut stages = Vec::new();
-    let fault = feed(&mut log, |scan| stages.extend(marked.add(scan)));
+    let matcher = ScanMatcher::new(parameters.matching);
+    let fault = feed(&mut log, matcher, |scan, pose| stages.extend(marked.add_placed(scan, pose)));
     let (last, beyond) = marked.finish();
     stages.extend(last);
     // A log that ended too early does not hold them all.
@@ -86,9 +91,28 @@ pub(super) fn read_arrivals(file: &Path) -> Result<Vec<Arrival>, Failure> {
     Arrival::read_csv(&text).map_err(|error| bad(&error))
 }
 
-/// Gives away the scans of a log one by one, up to its first fault.
-fn feed(log: &mut LogScans, mut take: impl FnMut(&LaserScan)) -> Option<LogError> {
-    log.find_map(|scan| scan.map(|scan| take(&scan)).err())
+/// So many scans are read ahead at most.
+const AHEAD: usize = 256;
+
+/// Gives away the scans of a log one by one with their poses, up to its first fault. They are read and matched ahead, in
+/// a thread of their own.
+fn feed(
+    log: &mut LogScans,
+    mut matcher: ScanMatcher,
+    mut take: impl FnMut(&LaserScan, &LocalPose),
+) -> Option<LogError> {
+    thread::scope(|scope| {
+        let (sender, receiver) = mpsc::sync_channel(AHEAD);
+        let reader = scope.spawn(move || {
+            log.find_map(|scan| {
+                let placed = scan.map(|scan| (matcher.add(&scan), scan));
+                // Nobody stops to listen before the end.
+                placed.map(|placed| drop(sender.send(placed))).err()
+            })
+        });
+        receiver.iter().for_each(|(pose, scan)| take(&scan, &pose));
+        reader.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    })
 }
 
 impl Events {
@@ -126,7 +150,7 @@ pub(super) fn open(path: &Path) -> Result<Box<dyn BufRead>, Failure> {
 }
 
 /// The content of a file, decompressed by the ending of its name.
-pub(super) fn decompressed(path: &Path, file: impl Read + 'static) -> Box<dyn BufRead> {
+pub(super) fn decompressed(path: &Path, file: impl Read + Send + 'static) -> Box<dyn BufRead + Send> {
     match path.extension().and_then(|e| e.to_str()).unwrap_or_default() {
         "bz2" => Box::new(BufReader::new(MultiBzDecoder::new(file))),
         "gz" => Box::new(BufReader::new(MultiGzDecoder::new(file))),

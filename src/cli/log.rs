@@ -14,7 +14,7 @@ use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 /// The scans of a log in file order, and a report of what was read, passed over and guessed.
-pub(super) type LogScans = ScanReader<Box<dyn Iterator<Item = Result<Entry, LogError>>>>;
+pub(super) type LogScans = ScanReader<Box<dyn Iterator<Item = Result<Entry, LogError>> + Send>>;
 
 const HEADING: &str = "Logs";
 
@@ -76,7 +76,7 @@ pub(super) fn is_log(input: &Path) -> bool {
 /// The scans of a log. Reading shows a bar on a terminal.
 pub(super) fn read_log(input: &Path, args: &LogArgs) -> Result<LogScans, Failure> {
     let options = args.options();
-    let entries: Box<dyn Iterator<Item = _>> = match plain_extension(input).as_str() {
+    let entries: Box<dyn Iterator<Item = _> + Send> = match plain_extension(input).as_str() {
         "clf" | "log" if !input.is_dir() => {
             let file = opened(input, &bar(size(input)))?;
             Box::new(CarmenEntries::new(decompressed(input, file)))
@@ -96,7 +96,7 @@ pub(super) fn read_log(input: &Path, args: &LogArgs) -> Result<LogScans, Failure
     Ok(ScanReader::new(entries, options))
 }
 
-fn opened(path: &Path, bar: &ProgressBar) -> Result<impl Read + use<>, Failure> {
+fn opened(path: &Path, bar: &ProgressBar) -> Result<impl Read + Send + use<>, Failure> {
     let file = File::open(path);
     Ok(bar.wrap_read(file.map_err(|error| Failure::input(path, format!("cannot be opened: {error}")))?))
 }

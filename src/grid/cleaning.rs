@@ -1,5 +1,7 @@
 //! Removal of specks: what is too small to be an obstacle or a shadow that matters.
 
+use crate::grid::patches::Patches;
+use crate::grid::plane::Plane;
 use crate::grid::{Cell, GridInfo, OccupancyGrid};
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -31,83 +33,64 @@ impl Default for CleaningParameters {
 pub fn clean(grid: &OccupancyGrid, parameters: &CleaningParameters) -> OccupancyGrid {
     let info = *grid.info();
     let cell_area = info.resolution * info.resolution;
-    let mut cells = grid.cells().to_vec();
     // No gap is longer than the grid, however small its cells.
     let gap = ((parameters.gap / info.resolution) + 1e-6).min(info.width.max(info.height) as f64);
-    fill_gaps(&info, &mut cells, gap as usize);
     // Areas of whole cells are compared with areas in decimal metres.
     let cells_in = |area: f64| area / cell_area - 1e-6;
     let (stray, shadow) = (cells_in(parameters.stray), cells_in(parameters.shadow));
     let post = parameters.post / info.resolution + 1e-6;
-    let occupied = Patches::new(&info, &cells, true, |cell| cell == Cell::Occupied);
-    occupied.of(|patch| (patch.cells as f64) < stray).for_each(|i| cells[i] = Cell::Unknown);
-    let closed = Patches::new(&info, &cells, false, |cell| cell != Cell::Free);
-    let shadows = closed.of(|patch| !patch.occupied && (patch.cells as f64) < shadow);
-    shadows.for_each(|i| cells[i] = Cell::Free);
-    let closed = Patches::new(&info, &cells, true, |cell| cell != Cell::Free);
-    closed.of(|patch| patch.length() <= post).for_each(|i| cells[i] = Cell::Free);
+    let mut cells = grid.cells().to_vec();
+    let mut free = fill_gaps(&info, &mut cells, gap as usize);
+    let occupied = Patches::new(&Plane::of(&cells, info.width, Cell::Occupied), true);
+    occupied.cells_of(&occupied.strays(stray)).for_each(|i| cells[i] = Cell::Unknown);
+    let closed = Patches::new(&free.complement(), false);
+    let shadows = closed.shadows(shadow, &cells);
+    closed.cells_of(&shadows).for_each(|i| {
+        cells[i] = Cell::Free;
+        free.insert(i);
+    });
+    let closed = Patches::new(&free.complement(), true);
+    closed.cells_of(&closed.posts(post)).for_each(|i| cells[i] = Cell::Free);
     grid.with_cells(cells)
 }
 
 /// Frees unknown stretches of at most `most` cells between two free cells, along rows and then along columns. Cells
-/// that touch an obstacle stay: they may be part of a wall seen in places only.
-fn fill_gaps(info: &GridInfo, cells: &mut [Cell], most: usize) {
-    let wall = |cells: &[Cell], i: usize| {
-        info.neighbors(info.index(i), true).any(|at| cells[info.offset(at)] == Cell::Occupied)
-    };
-    for y in 0..info.height {
-        let mut last_free = None;
-        for i in y * info.width..(y + 1) * info.width {
-            close_gap(cells, &mut last_free, i, 1, most, wall);
-        }
-    }
-    // All columns at once, row by row: a column at a time would jump through memory.
-    let mut last_free = vec![None; info.width];
-    for y in 0..info.height {
-        for (x, last) in last_free.iter_mut().enumerate() {
-            close_gap(cells, last, y * info.width + x, info.width, most, wall);
-        }
-    }
-}
-
-/// Goes one cell on along a line of cells `step` apart: at a free cell, frees the unknown ones since the last.
-fn close_gap(
-    cells: &mut [Cell],
-    last_free: &mut Option<usize>,
-    i: usize,
-    step: usize,
-    most: usize,
-    wall: impl Fn(&[Cell], usize) -> bool,
-) {
-    match cells[i] {
-        Cell::Unknown => {}
-        Cell::Occupied => *last_free = None,
-        Cell::Free => {
-            if let Some(last) = last_free.replace(i)
-                && last + step < i
-                && i <= last + (most + 1) * step
-            {
-                for j in (last + step..i).step_by(step) {
-                    cells[j] = if wall(cells, j) { Cell::Unknown } else { Cell::Free };
+/// that touch an obstacle stay: they may be part of a wall seen in places only. What is free then.
+fn fill_gaps(info: &GridInfo, cells: &mut [Cell], most: usize) -> Plane {
+    let mut free = Plane::of(cells, info.width, Cell::Free);
+    let mut unknown = Plane::of(cells, info.width, Cell::Unknown);
+    for along_rows in [true, false] {
+        let step = if along_rows { 1 } else { info.width };
+        let starts = if along_rows { free.left_of(&unknown) } else { free.below(&unknown) };
+        for start in starts {
+            let end = if along_rows { start - start % info.width + info.width } else { cells.len() };
+            for i in gap(cells, start, step, end, most) {
+                let touches =
+                    info.neighbors(info.index(i), true).any(|at| cells[info.offset(at)] == Cell::Occupied);
+                if !touches {
+                    cells[i] = Cell::Free;
+                    free.insert(i);
+                    unknown.remove(i);
                 }
             }
         }
     }
+    free
 }
 
-/// A horizontal run of cells, `start..end` in row-major order.
-struct Run {
+/// The unknown cells after a free one along a line of cells `step` apart that ends before `end`, if a free one comes
+/// next and they are not too many.
+fn gap(
+    cells: &[Cell],
     start: usize,
+    step: usize,
     end: usize,
-    /// The run of its patch that comes first, or one on the way to it.
-    parent: usize,
-    occupied: bool,
-}
-
-/// Patches of the chosen cells that touch one another by their sides, or by corners too.
-struct Patches {
-    width: usize,
-    runs: Vec<Run>,
+    most: usize,
+) -> impl Iterator<Item = usize> + use<> {
+    let line = |k: usize| cells[..end].get(start + k * step);
+    let count = (1..=most).take_while(|&k| line(k) == Some(&Cell::Unknown)).count();
+    let closed = line(count + 1) == Some(&Cell::Free);
+    (1..=if closed { count } else { 0 }).map(move |k| start + k * step)
 }
 
 /// Directions in which a patch is measured: a sixteenth of a turn apart, so that no length is short by more than 2 %.
@@ -122,89 +105,39 @@ const DIRECTIONS: [(f64, f64); 8] = [
     (-0.923_879_532_511_286_7, 0.382_683_432_365_089_8),
 ];
 
-/// What a patch amounts to.
-#[derive(Clone)]
-struct Patch {
-    cells: usize,
-    /// Whether any of its cells is occupied.
-    occupied: bool,
-    /// The least and the greatest offset of its cells in each direction, cells.
-    reach: [(f64, f64); 8],
-}
-
-impl Patch {
-    const EMPTY: Patch = Patch { cells: 0, occupied: false, reach: [(f64::INFINITY, f64::NEG_INFINITY); 8] };
-
-    fn add(&mut self, run: &Run, width: usize) {
-        self.cells += run.end - run.start;
-        self.occupied |= run.occupied;
-        let y = (run.start / width) as f64;
-        for x in [run.start % width, (run.end - 1) % width].map(|x| x as f64) {
-            for (reach, (a, b)) in self.reach.iter_mut().zip(DIRECTIONS) {
-                let offset = a * x + b * y;
-                *reach = (reach.0.min(offset), reach.1.max(offset));
-            }
-        }
-    }
-
-    /// The greatest distance between two of its points, sides of cells included, in cells.
-    fn length(&self) -> f64 {
-        self.reach.iter().map(|(low, high)| high - low + 1.0).fold(0.0, f64::max)
-    }
-}
-
+/// What patches are by their size.
 impl Patches {
-    fn new(info: &GridInfo, cells: &[Cell], corners: bool, chosen: impl Fn(Cell) -> bool) -> Self {
-        let mut patches = Patches { width: info.width, runs: Vec::new() };
-        let reach = usize::from(corners);
-        let mut above = 0..0;
-        for (y, row) in cells.chunks(info.width).enumerate() {
-            let first = patches.runs.len();
-            let mut start = y * info.width;
-            for stretch in row.chunk_by(|&a, &b| chosen(a) == chosen(b)) {
-                let end = start + stretch.len();
-                if chosen(stretch[0]) {
-                    let occupied = stretch.contains(&Cell::Occupied);
-                    patches.runs.push(Run { start, end, parent: patches.runs.len(), occupied });
-                    patches.join(above.clone(), reach);
+    /// For every patch, whether it has less than so many cells.
+    fn strays(&self, least: f64) -> Vec<bool> {
+        self.sizes().iter().map(|&size| (size as f64) < least).collect()
+    }
+
+    /// For every patch, whether it has less than so many cells and none of them is occupied.
+    fn shadows(&self, least: f64, cells: &[Cell]) -> Vec<bool> {
+        let mut shadows = self.strays(least);
+        for run in self.runs() {
+            shadows[run.patch] = shadows[run.patch] && !cells[run.start..run.end].contains(&Cell::Occupied);
+        }
+        shadows
+    }
+
+    /// For every patch, whether no two of its points, sides of cells included, are further apart than so many cells.
+    fn posts(&self, longest: f64) -> Vec<bool> {
+        // No more cells lie within a square of that side.
+        let small: Vec<bool> = self.sizes().iter().map(|&size| size as f64 <= longest * longest).collect();
+        let mut reach = vec![[(f64::INFINITY, f64::NEG_INFINITY); 8]; small.len()];
+        for run in self.runs().iter().filter(|run| small[run.patch]) {
+            let y = (run.start / self.width()) as f64;
+            for x in [run.start % self.width(), (run.end - 1) % self.width()].map(|x| x as f64) {
+                for (reach, (a, b)) in reach[run.patch].iter_mut().zip(DIRECTIONS) {
+                    let offset = a * x + b * y;
+                    *reach = (reach.0.min(offset), reach.1.max(offset));
                 }
-                start = end;
-            }
-            above = first..patches.runs.len();
-        }
-        patches
-    }
-
-    /// Joins the last run with those of the row below that it touches.
-    fn join(&mut self, below: std::ops::Range<usize>, reach: usize) {
-        let last = self.runs.len() - 1;
-        let (start, end) = (self.runs[last].start, self.runs[last].end);
-        for run in below {
-            let other = &self.runs[run];
-            if other.start + self.width < end + reach && start < other.end + self.width + reach {
-                let (a, b) = (self.root(run), self.root(last));
-                self.runs[a.max(b)].parent = a.min(b);
             }
         }
-    }
-
-    fn root(&self, mut run: usize) -> usize {
-        while self.runs[run].parent != run {
-            run = self.runs[run].parent;
-        }
-        run
-    }
-
-    /// The cells of all patches that are as wanted.
-    fn of(&self, wanted: impl Fn(&Patch) -> bool) -> impl Iterator<Item = usize> {
-        let mut patches = vec![Patch::EMPTY; self.runs.len()];
-        let roots: Vec<usize> = (0..self.runs.len()).map(|run| self.root(run)).collect();
-        for (run, &root) in self.runs.iter().zip(&roots) {
-            patches[root].add(run, self.width);
-        }
-        let wanted: Vec<bool> = patches.iter().map(|patch| patch.cells > 0 && wanted(patch)).collect();
-        let runs = self.runs.iter().zip(roots).filter(move |&(_, root)| wanted[root]);
-        runs.flat_map(|(run, _)| run.start..run.end)
+        let longest_of =
+            |reach: &[(f64, f64); 8]| reach.iter().map(|(low, high)| high - low + 1.0).fold(0.0, f64::max);
+        small.iter().zip(&reach).map(|(&small, reach)| small && longest_of(reach) <= longest).collect()
     }
 }
 
@@ -212,6 +145,7 @@ impl Patches {
 mod tests {
     use super::*;
     use crate::geometry::Pose;
+    use proptest::prelude::*;
 
     fn cleaned(picture: &[&str]) -> Vec<String> {
         let width = picture[0].len();
@@ -251,6 +185,86 @@ mod tests {
         assert_eq!(cleaned(&["??.??", "?????", "??.??"]), ["??.??", "??.??", "??.??"]);
         assert_eq!(cleaned(&["??.??", "?????", "??.#."]), ["??.??", "?????", "??.?."]);
         assert_eq!(cleaned(&["#####", ".###.", ".???."]), ["#####", ".###.", ".???."]);
+    }
+
+    /// The same, cell by cell from the definitions.
+    fn slowly(grid: &OccupancyGrid, gap: usize, stray: usize, shadow: usize, post: f64) -> Vec<Cell> {
+        let info = *grid.info();
+        let mut cells = grid.cells().to_vec();
+        let touches = |cells: &[Cell], i: usize| {
+            info.neighbors(info.index(i), true).any(|at| cells[info.offset(at)] == Cell::Occupied)
+        };
+        for (dx, dy) in [(1, 0), (0, 1)] {
+            let before = cells.clone();
+            let at = |i: usize, k: isize| {
+                info.shifted(info.index(i), k * dx, k * dy).map(|at| before[info.offset(at)])
+            };
+            let to_free = |i: usize, sign: isize| {
+                let steps = (1..=gap as isize).find(|&k| at(i, sign * k) != Some(Cell::Unknown))?;
+                (at(i, sign * steps) == Some(Cell::Free)).then_some(steps as usize)
+            };
+            for i in (0..cells.len()).filter(|&i| before[i] == Cell::Unknown && !touches(&before, i)) {
+                if let (Some(back), Some(on)) = (to_free(i, -1), to_free(i, 1))
+                    && back + on <= gap + 1
+                {
+                    cells[i] = Cell::Free;
+                }
+            }
+        }
+        let patch = |cells: &[Cell], start: usize, corners: bool, chosen: fn(Cell) -> bool| {
+            let mut patch = std::collections::BTreeSet::new();
+            let mut open = Vec::from_iter(chosen(cells[start]).then_some(start));
+            while let Some(i) = open.pop() {
+                if patch.insert(i) {
+                    let around = info.neighbors(info.index(i), corners).map(|at| info.offset(at));
+                    open.extend(around.filter(|&j| chosen(cells[j])));
+                }
+            }
+            patch
+        };
+        let mut change =
+            |corners, chosen: fn(Cell) -> bool, to, small: &dyn Fn(&[Cell], &[usize]) -> bool| {
+                let before = cells.clone();
+                for i in (0..cells.len()).filter(|&i| chosen(before[i])) {
+                    let patch: Vec<usize> = patch(&before, i, corners, chosen).into_iter().collect();
+                    if small(&before, &patch) {
+                        cells[i] = to;
+                    }
+                }
+            };
+        let closed = |cell| cell != Cell::Free;
+        change(true, |cell| cell == Cell::Occupied, Cell::Unknown, &|_, patch| patch.len() < stray);
+        change(false, closed, Cell::Free, &|cells, patch| {
+            patch.len() < shadow && patch.iter().all(|&i| cells[i] == Cell::Unknown)
+        });
+        change(true, closed, Cell::Free, &|_, patch| {
+            DIRECTIONS.iter().all(|(a, b)| {
+                let along = patch.iter().map(|&i| info.index(i)).map(|at| a * at.x as f64 + b * at.y as f64);
+                let (low, high) =
+                    along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+                high - low + 1.0 <= post
+            })
+        });
+        cells
+    }
+
+    proptest! {
+        #[test]
+        fn cleaning_is_that_of_the_definitions(
+            (width, cells) in (1usize..90, 1usize..14).prop_flat_map(|(width, height)| {
+                let cell = prop_oneof![8 => Just(Cell::Free), 3 => Just(Cell::Unknown), 1 => Just(Cell::Occupied)];
+                (Just(width), prop::collection::vec(cell, width * height))
+            }),
+            (gap, stray, shadow, post) in (0usize..6, 0usize..6, 0usize..9, 0u32..5),
+        ) {
+            let info = GridInfo { resolution: 1.0, width, height: cells.len() / width, origin: Pose::IDENTITY };
+            let grid = OccupancyGrid::new(info, cells).unwrap();
+            let post = f64::from(post) + 0.3;
+            let parameters = CleaningParameters { gap: gap as f64, stray: stray as f64, shadow: shadow as f64, post };
+            let slow = slowly(&grid, gap, stray, shadow, post);
+            let cleaned = clean(&grid, &parameters);
+            prop_assert_eq!(cleaned.cells(), slow);
+        }
     }
 
     #[test]

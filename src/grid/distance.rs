@@ -11,8 +11,11 @@ use crate::grid::{Cell, CellIndex, GridInfo, OccupancyGrid};
 #[derive(Clone, Debug, PartialEq)]
 pub struct DistanceField {
     info: GridInfo,
-    squared: Vec<f64>,
+    squared: Vec<u32>,
 }
+
+/// The squared distance of a cell in a grid without any obstacle.
+const BOUNDLESS: u32 = u32::MAX;
 
 /// The nearest obstacles to the left and to the right of a direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -30,7 +33,7 @@ impl DistanceField {
         let obstacles = grid.cells().iter().any(|&cell| cell != Cell::Free);
         let squared = match obstacles {
             true => squared_distances(info.width, grid.cells()),
-            false => vec![f64::INFINITY; grid.cells().len()],
+            false => vec![BOUNDLESS; grid.cells().len()],
         };
         DistanceField { info, squared }
     }
@@ -43,11 +46,14 @@ impl DistanceField {
     /// Distance in metres from the centre of a cell to the centre of the nearest obstacle cell.
     /// The cell must be inside.
     pub fn clearance(&self, index: CellIndex) -> f64 {
-        self.squared[self.info.offset(index)].sqrt() * self.info.resolution
+        match self.squared[self.info.offset(index)] {
+            BOUNDLESS => f64::INFINITY,
+            squared => f64::from(squared).sqrt() * self.info.resolution,
+        }
     }
 
-    /// Squared distances in cells, row-major: whole numbers, or infinity.
-    pub fn squared(&self) -> &[f64] {
+    /// Squared distances in cells, row-major; [`u32::MAX`] in a grid without any obstacle, where nothing is a distance.
+    pub fn squared(&self) -> &[u32] {
         &self.squared
     }
 
@@ -55,90 +61,122 @@ impl DistanceField {
     /// further than `slack` metres beyond the clearance and no closer to the direction, ahead or behind, than the
     /// angle of the given sine. Ties go to the cell that comes first in the grid.
     pub fn sides(&self, at: CellIndex, along: &Vector, slack: f64, least_sine: f64) -> Sides {
-        let inner = self.squared[self.info.offset(at)];
         let mut sides = Sides::default();
+        let inner = match self.squared[self.info.offset(at)] {
+            BOUNDLESS => return sides,
+            squared => i64::from(squared),
+        };
         let mut best = [f64::INFINITY; 2];
-        if !inner.is_finite() {
-            return sides;
-        }
-        let outer = (inner.sqrt() + slack / self.info.resolution).powi(2);
+        let outer = ((inner as f64).sqrt() + slack / self.info.resolution).powi(2);
         let reach = outer.sqrt() as isize;
-        for dy in -reach..=reach {
-            let row = (dy * dy) as f64;
-            let far = (outer - row).max(0.0).sqrt() as isize;
-            let near = (inner - row).max(0.0).sqrt().ceil() as isize;
-            for dx in (-far..=-near).chain(near.max(1 - near)..=far) {
-                let squared = (dx * dx + dy * dy) as f64;
-                let cross = along.x * dy as f64 - along.y * dx as f64;
-                let side = usize::from(cross < 0.0);
-                let beside = cross != 0.0 && cross * cross >= least_sine * least_sine * squared;
-                if squared >= best[side] || !beside {
-                    continue;
+        let GridInfo { width, height, .. } = self.info;
+        let (x, y) = (at.x as isize, at.y as isize);
+        for dy in (-reach).max(-y)..=reach.min(height as isize - 1 - y) {
+            let across = (dy * dy) as f64;
+            let far = (outer - across).max(0.0).sqrt() as isize;
+            let near = root_above(inner - (dy * dy) as i64) as isize;
+            let start = at.y.wrapping_add_signed(dy) * width;
+            let row = &self.squared[start..start + width];
+            let mut look = |from: isize, to: isize| {
+                let (from, to) = ((x + from).max(0), (x + to + 1).min(width as isize));
+                if from >= to {
+                    return;
                 }
-                let Some(cell) = self.info.shifted(at, dx, dy) else { continue };
-                if self.squared[self.info.offset(cell)] == 0.0 {
-                    best[side] = squared;
-                    if side == 0 { sides.left = Some(cell) } else { sides.right = Some(cell) }
+                // Hardly any cell is an obstacle, so that is asked first.
+                for (k, _) in
+                    row[from as usize..to as usize].iter().enumerate().filter(|&(_, &cell)| cell == 0)
+                {
+                    let dx = from + k as isize - x;
+                    let squared = (dx * dx + dy * dy) as f64;
+                    let cross = along.x * dy as f64 - along.y * dx as f64;
+                    let side = usize::from(cross < 0.0);
+                    let beside = cross != 0.0 && cross * cross >= least_sine * least_sine * squared;
+                    if beside && squared < best[side] {
+                        best[side] = squared;
+                        let cell = CellIndex { x: from as usize + k, y: start / width };
+                        if side == 0 { sides.left = Some(cell) } else { sides.right = Some(cell) }
+                    }
                 }
-            }
+            };
+            look(-far, -near);
+            look(near.max(1 - near), far);
         }
         sides
     }
 }
 
+/// The least whole number whose square is not below a number.
+fn root_above(squared: i64) -> i64 {
+    let root = (squared.max(0) as f64).sqrt() as i64;
+    root + i64::from(root * root < squared)
+}
+
 /// Squared distances in cells to the nearest cell that is not free, of which there must be one: first along columns,
 /// then along rows (Meijster, Roerdink and Hesselink, A general algorithm for computing distance transforms in linear
 /// time, 2000). Whole numbers throughout: sides of up to 8192 cells keep them below 2^30.
-fn squared_distances(width: usize, cells: &[Cell]) -> Vec<f64> {
-    let far = (width + cells.len() / width) as i32;
-    let mut columns: Vec<i32> = cells.iter().map(|&cell| if cell == Cell::Free { far } else { 0 }).collect();
-    let height = cells.len() / width;
+fn squared_distances(width: usize, cells: &[Cell]) -> Vec<u32> {
     // All columns at once, row by row: a column at a time would jump through memory.
-    for y in 1..height {
-        let (below, row) = columns.split_at_mut(y * width);
-        relax(&mut row[..width], &below[(y - 1) * width..]);
+    let mut columns = vec![FAR; cells.len()];
+    let height = cells.len() / width;
+    let mut beside = vec![FAR; width];
+    for y in 0..height {
+        let row = y * width..(y + 1) * width;
+        for ((cell, column), beside) in cells[row.clone()].iter().zip(&mut columns[row]).zip(&mut beside) {
+            *beside = if *cell == Cell::Free { beside.saturating_add(1) } else { 0 };
+            *column = *beside;
+        }
     }
     for y in (1..height).rev() {
         let (row, above) = columns.split_at_mut(y * width);
         relax(&mut row[(y - 1) * width..], &above[..width]);
     }
-    let mut squared = vec![0.0; cells.len()];
+    let mut squared = vec![0; cells.len()];
     let mut envelope = Vec::with_capacity(width);
     for (column, out) in columns.chunks_exact(width).zip(squared.chunks_exact_mut(width)) {
-        along_row(column, &mut envelope, out);
+        let mut start = 0;
+        for run in column.chunk_by(|&a, &b| (a == 0) == (b == 0)) {
+            if run[0] != 0 {
+                along_row(column, start, start + run.len(), &mut envelope, out);
+            }
+            start += run.len();
+        }
     }
     squared
 }
 
+/// No obstacle in the column: farther than any there can be.
+const FAR: u16 = u16::MAX;
+
 /// No cell of a row is farther from an obstacle of its column than its neighbour in the row beside is, and one cell.
-fn relax(row: &mut [i32], beside: &[i32]) {
-    row.iter_mut().zip(beside).for_each(|(cell, &other)| *cell = (*cell).min(other + 1));
+fn relax(row: &mut [u16], beside: &[u16]) {
+    row.iter_mut().zip(beside).for_each(|(cell, &other)| *cell = (*cell).min(other.saturating_add(1)));
 }
 
-/// Squared distances in a row whose cells have the given distances along their columns: the lower envelope of one
-/// parabola a cell, of which `envelope` holds the cells and where each begins to be lowest.
-fn along_row(column: &[i32], envelope: &mut Vec<(i32, i32)>, out: &mut [f64]) {
-    let at = |x: i32| column[x as usize];
+/// Squared distances in a stretch of free cells of a row whose cells have the given distances along their columns: the
+/// lower envelope of one parabola a cell, of which `envelope` holds the cells and where each begins to be lowest. What
+/// lies beyond the obstacles that end the stretch is not nearer than they are.
+fn along_row(column: &[u16], start: usize, end: usize, envelope: &mut Vec<(i32, i32)>, out: &mut [u32]) {
+    let at = |x: i32| i32::from(column[x as usize]);
     let value = |x: i32, i: i32| (x - i) * (x - i) + at(i) * at(i);
-    let count = column.len() as i32;
+    let (first, last) = (start.saturating_sub(1) as i32, (end + 1).min(column.len()) as i32);
     envelope.clear();
-    for u in 0..count {
-        while envelope.last().is_some_and(|&(i, start)| value(start, i) > value(start, u)) {
+    for u in (first..last).filter(|&u| column[u as usize] != FAR) {
+        while envelope.last().is_some_and(|&(i, begin)| value(begin, i) > value(begin, u)) {
             envelope.pop();
         }
         match envelope.last() {
-            None => envelope.push((u, 0)),
+            None => envelope.push((u, first)),
             Some(&(i, _)) => {
-                let start = 1 + (u * u - i * i + at(u) * at(u) - at(i) * at(i)).div_euclid(2 * (u - i));
-                if start < count {
-                    envelope.push((u, start));
+                let begin = 1 + (u * u - i * i + at(u) * at(u) - at(i) * at(i)).div_euclid(2 * (u - i));
+                if begin < last {
+                    envelope.push((u, begin));
                 }
             }
         }
     }
-    for (k, &(i, start)) in envelope.iter().enumerate() {
-        let end = envelope.get(k + 1).map_or(count, |next| next.1);
-        (start..end).for_each(|x| out[x as usize] = f64::from(value(x, i)));
+    for (k, &(i, begin)) in envelope.iter().enumerate() {
+        let next = envelope.get(k + 1).map_or(last, |next| next.1);
+        (begin..next).for_each(|x| out[x as usize] = value(x, i) as u32);
     }
 }
 
@@ -178,6 +216,32 @@ mod tests {
                 let (found, expected) = (field.clearance(at), brute_force(&grid, at));
                 prop_assert!(found == expected || (found - expected).abs() < 1e-9, "{found} {expected}");
             }
+        }
+
+        #[test]
+        fn sides_are_those_of_brute_force(
+            (width, cells) in (1usize..24, 1usize..24).prop_flat_map(|(w, h)| (Just(w), prop::collection::vec(any_cell(), w * h))),
+            (pick, angle, slack, least_sine) in (0usize..1000, -3.1..3.1f64, 0.0..1.0f64, 0.0..0.9f64),
+        ) {
+            let grid = grid(width, cells);
+            let field = DistanceField::new(&grid);
+            let at = grid.info().index(pick % grid.cells().len());
+            let along = crate::geometry::direction(angle);
+            let farthest = field.clearance(at) / 0.1 + slack / 0.1;
+            let mut best: [Option<(f64, CellIndex)>; 2] = [None; 2];
+            for other in (0..grid.cells().len()).filter(|&i| grid.cells()[i] != Cell::Free).map(|i| grid.info().index(i)) {
+                let (dx, dy) = (other.x as f64 - at.x as f64, other.y as f64 - at.y as f64);
+                let (squared, cross) = (dx * dx + dy * dy, along.x * dy - along.y * dx);
+                let near_limit = (squared.sqrt() - farthest).abs() < 1e-9;
+                prop_assume!(!near_limit);
+                let beside = cross != 0.0 && cross * cross >= least_sine * least_sine * squared;
+                let side = &mut best[usize::from(cross < 0.0)];
+                if beside && squared.sqrt() < farthest && side.is_none_or(|(nearest, _)| squared < nearest) {
+                    *side = Some((squared, other));
+                }
+            }
+            let [left, right] = best.map(|found| found.map(|(_, cell)| cell));
+            prop_assert_eq!(field.sides(at, &along, slack, least_sine), Sides { left, right });
         }
     }
 

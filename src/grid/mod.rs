@@ -5,8 +5,11 @@ pub mod cleaning;
 pub mod distance;
 pub mod skeleton;
 pub mod skeleton_graph;
+mod patches;
+mod plane;
 mod rooms;
 mod thinning;
+mod window;
 
 pub use cleaning::{CleaningParameters, clean};
 pub use distance::DistanceField;

@@ -21,11 +21,11 @@ struct Space {
 pub(super) fn rooms(
     info: &GridInfo,
     members: &[usize],
-    squared: &[f64],
+    squared: &[u32],
     on_rim: impl Fn(usize) -> bool,
     ratio: f64,
 ) -> Vec<usize> {
-    let mut order: Vec<(u32, u32)> = members.iter().map(|&i| (squared[i] as u32, i as u32)).collect();
+    let mut order: Vec<(u32, u32)> = members.iter().map(|&i| (squared[i], i as u32)).collect();
     sort(&mut order);
     let mut flood = Flood { parents: Vec::new(), spaces: Vec::new(), rooms: Vec::new() };
     // 0 is no space yet.
@@ -75,8 +75,9 @@ impl Flood {
     }
 
     /// Joins two spaces that meet at a level and notes which of them are rooms; the space that they make.
-    fn meet(&mut self, a: u32, b: u32, level: f64, squared: &[f64], ratio: f64) -> u32 {
-        let height = |flood: &Flood, space: u32| squared[flood.spaces[space as usize].peak as usize];
+    fn meet(&mut self, a: u32, b: u32, level: f64, squared: &[u32], ratio: f64) -> u32 {
+        let height =
+            |flood: &Flood, space: u32| f64::from(squared[flood.spaces[space as usize].peak as usize]);
         let parted = [a, b].iter().all(|&space| height(self, space) >= ratio * ratio * level);
         if parted {
             for space in [a, b].map(|space| &self.spaces[space as usize]) {
@@ -103,7 +104,7 @@ mod tests {
     /// Widest cells of rooms in a row of cells with the given clearances, of which the first is on the rim.
     fn found(clearance: &[u32]) -> Vec<usize> {
         let info = GridInfo { resolution: 1.0, width: clearance.len(), height: 1, origin: Pose::IDENTITY };
-        let squared: Vec<f64> = clearance.iter().map(|&c| f64::from(c * c)).collect();
+        let squared: Vec<u32> = clearance.iter().map(|&c| c * c).collect();
         let members: Vec<usize> = (0..clearance.len()).filter(|&i| clearance[i] > 0).collect();
         rooms(&info, &members, &squared, |i| i == 0, 1.5)
     }

@@ -6,10 +6,14 @@
 //! thinning keeps only what joins the exits.
 
 use crate::geometry::Point;
+use crate::grid::patches::Patches;
+use crate::grid::plane::Plane;
 use crate::grid::rooms::rooms;
 use crate::grid::thinning::thin;
+use crate::grid::window::Window;
 use crate::grid::{Cell, CellIndex, DistanceField, GridInfo, OccupancyGrid};
 use std::collections::VecDeque;
+use std::ops::Range;
 use thiserror::Error;
 
 /// Physical limits of the robot that shape the skeleton, metres.
@@ -111,17 +115,19 @@ pub fn skeletonize(
     // A core cell that near to the end of the window has no obstacle before it: the clearance is greater.
     let window = Window::new(info, center, parameters.scope, parameters.passage_width / 2.0);
     let mut core = Core::new(distance, &window, parameters);
-    core.add_trail(around.trail, &window, parameters.robot_width / 2.0);
-    let roomy = core.inside.contains(&true);
-    core.remove_open_expanses(&window, parameters.comfort_distance);
-    if roomy && !core.inside.contains(&true) {
+    core.add_trail(around.trail, parameters.robot_width / 2.0);
+    let roomy = !core.inside.is_empty();
+    core.remove_open_expanses(parameters.comfort_distance);
+    if roomy && core.inside.is_empty() {
         return Err(SkeletonError::NothingToFollow);
     }
     let gate = nearest_core_cell(grid, start, &core, parameters).ok_or(SkeletonError::NoFreeSpace)?;
-    let members = component(info, gate, &core.inside);
-    let exits = exits(&members, &window, &core);
-    let on_rim = |i: usize| window.on_rim(info.index(i));
-    let rooms_at = |ratio| rooms(info, &members, core.squared, on_rim, ratio);
+    let members = Patches::new(&core.inside, true).around(gate);
+    let exits = core.exits(&members);
+    let rooms_at = |ratio| {
+        let members: Vec<usize> = members.iter().cloned().flatten().collect();
+        rooms(&window.cut, &members, &core.squared, |i| window.on_rim(window.cell(i)), ratio)
+    };
     let rooms = parameters.room_ratio.map(rooms_at).unwrap_or_default();
     let dead_end = match (&exits[..], &rooms[..]) {
         ([], [] | [_]) => return Err(SkeletonError::NoWayOut),
@@ -131,68 +137,47 @@ pub fn skeletonize(
     let mut anchors = exits.clone();
     anchors.extend(&rooms);
     anchors.extend(dead_end);
-    let rank = |i: usize| distance.squared()[i] as u32;
-    let cells = thin(info.width, info.height, &members, rank, &anchors);
-    let index = |&i: &usize| info.index(i);
+    let cells = thin(window.cut.width, window.cut.height, &members, &core.squared, &anchors);
+    let cell = |&i: &usize| window.cell(i);
     Ok(Skeleton {
-        cells: cells.iter().map(index).collect(),
-        exits: exits.iter().map(index).collect(),
-        rooms: rooms.iter().map(index).collect(),
-        dead_end: dead_end.map(|i| info.index(i)),
+        cells: cells.iter().map(cell).collect(),
+        exits: exits.iter().map(cell).collect(),
+        rooms: rooms.iter().map(cell).collect(),
+        dead_end: dead_end.map(|i| window.cell(i)),
     })
 }
 
-/// The part of the grid in which free space counts as settled. Lengths are in cells.
-struct Window<'a> {
-    info: &'a GridInfo,
-    center: CellIndex,
-    radius: f64,
-    rim: f64,
-}
-
-impl<'a> Window<'a> {
-    fn new(info: &'a GridInfo, center: CellIndex, radius: f64, rim: f64) -> Self {
-        Window { info, center, radius: radius / info.resolution, rim: rim / info.resolution }
-    }
-
-    fn contains(&self, at: CellIndex) -> bool {
-        self.squared_offset(at) <= self.radius * self.radius
-    }
-
-    /// Whether a cell of the window is nearer to what is not in the window than the depth of the rim.
-    fn on_rim(&self, at: CellIndex) -> bool {
-        let inner = (self.radius - self.rim).max(0.0);
-        let edge = at.x.min(at.y).min(self.info.width - 1 - at.x).min(self.info.height - 1 - at.y);
-        (edge as f64) < self.rim || self.squared_offset(at) > inner * inner
-    }
-
-    fn squared_offset(&self, at: CellIndex) -> f64 {
-        let (dx, dy) = (at.x as f64 - self.center.x as f64, at.y as f64 - self.center.y as f64);
-        dx * dx + dy * dy
-    }
-}
-
-/// The cells of the window where the robot's passage width fits.
+/// The cells of the window where the robot's passage width fits, by their positions in its cut out part.
 struct Core<'a> {
-    info: &'a GridInfo,
-    squared: &'a [f64],
-    inside: Vec<bool>,
+    window: &'a Window<'a>,
+    squared: Vec<u32>,
+    inside: Plane,
 }
 
 impl<'a> Core<'a> {
-    fn new(distance: &'a DistanceField, window: &Window, parameters: &SkeletonParameters) -> Self {
-        let (info, squared) = (distance.info(), distance.squared());
+    fn new(distance: &DistanceField, window: &'a Window<'a>, parameters: &SkeletonParameters) -> Self {
+        let Window { info, cut, corner, .. } = *window;
+        let mut squared = Vec::with_capacity(cut.width * cut.height);
+        for row in distance.squared().chunks_exact(info.width).skip(corner.y).take(cut.height) {
+            squared.extend_from_slice(&row[corner.x..corner.x + cut.width]);
+        }
         // A strip of clear width w has its obstacle cells, centre to centre, w plus one cell apart.
-        let least = ((parameters.passage_width / info.resolution + 1.0) / 2.0).powi(2);
-        let fits = |i: usize| squared[i] >= least && window.contains(info.index(i));
-        Core { info, squared, inside: (0..squared.len()).map(fits).collect() }
+        let least = ((parameters.passage_width / info.resolution + 1.0) / 2.0).powi(2).ceil() as u32;
+        let mut inside = Plane::empty(cut.width, cut.height);
+        for first in (0..squared.len()).step_by(cut.width) {
+            let stretch = window.stretch(first);
+            let row = &squared[stretch.clone()];
+            inside.insert_where(stretch.start, row.len(), |k| row[k] >= least);
+        }
+        Core { window, squared, inside }
     }
 
     /// Adds the free cells that the robot has driven over.
-    fn add_trail(&mut self, trail: &[Point], window: &Window, half_width: f64) {
-        let reach = half_width / self.info.resolution;
-        let to_cells = self.info.origin.inverse();
-        let local = |point: &Point| to_cells.transform_point(point) / self.info.resolution;
+    fn add_trail(&mut self, trail: &[Point], half_width: f64) {
+        let Window { info, .. } = *self.window;
+        let reach = half_width / info.resolution;
+        let to_cells = info.origin.inverse().transform();
+        let local = |point: &Point| to_cells.point(point) / info.resolution;
         for leg in trail.windows(2) {
             let (from, to) = (local(&leg[0]), local(&leg[1]));
             let (low, high) = (from.inf(&to), from.sup(&to));
@@ -200,28 +185,61 @@ impl<'a> Core<'a> {
                 // Casts saturate: a trail that leaves the grid is cut at its edge.
                 (low - reach).max(0.0) as usize..((high + reach).ceil().max(0.0) as usize).min(side)
             };
-            for y in range(low.y, high.y, self.info.height) {
-                for x in range(low.x, high.x, self.info.width) {
+            for y in range(low.y, high.y, info.height) {
+                for x in range(low.x, high.x, info.width) {
                     let at = CellIndex { x, y };
+                    let Some(i) = self.window.place(at) else { continue };
+                    // Mostly there is room enough anyway.
+                    if self.inside.contains(i) || self.squared[i] == 0 || !self.window.contains(at) {
+                        continue;
+                    }
                     let off = off_segment(&Point::new(x as f64 + 0.5, y as f64 + 0.5), &from, &to);
-                    let i = self.info.offset(at);
-                    self.inside[i] |= off <= reach && self.squared[i] > 0.0 && window.contains(at);
+                    if off <= reach {
+                        self.inside.insert(i);
+                    }
                 }
             }
         }
     }
 
     /// Takes out the cells beyond the comfort distance wherever they reach the rim of the window.
-    fn remove_open_expanses(&mut self, window: &Window, comfort_distance: f64) {
-        let most = (comfort_distance / self.info.resolution).powi(2);
-        for i in 0..self.inside.len() {
-            let wide = |core: &Core, i: usize| core.inside[i] && core.squared[i] > most;
-            if wide(self, i) && window.on_rim(self.info.index(i)) {
-                for cell in flood(self.info, i, true, |j| wide(self, j)) {
-                    self.inside[cell] = false;
-                }
-            }
+    fn remove_open_expanses(&mut self, comfort_distance: f64) {
+        let most = (comfort_distance / self.window.info.resolution).powi(2) as u32;
+        if self.squared.iter().all(|&squared| squared <= most) {
+            return;
         }
+        let mut wide = Plane::empty(self.window.cut.width, self.window.cut.height);
+        self.inside.each_run(|start, end| {
+            wide.insert_where(start, end - start, |k| self.squared[start + k] > most);
+        });
+        let expanses = Patches::new(&wide, true);
+        let mut open = vec![false; expanses.sizes().len()];
+        for run in expanses.runs() {
+            open[run.patch] |= (run.start..run.end).any(|i| self.window.on_rim(self.window.cell(i)));
+        }
+        expanses.cells_of(&open).for_each(|i| self.inside.remove(i));
+    }
+
+    /// For every stretch of rim that the members reach, its cell of greatest clearance; ascending.
+    fn exits(&self, members: &[Range<usize>]) -> Vec<usize> {
+        let window = self.window;
+        let mut rim = Plane::empty(window.cut.width, window.cut.height);
+        for run in members {
+            rim.insert_where(run.start, run.len(), |k| window.on_rim(window.cell(run.start + k)));
+        }
+        let stretches = Patches::new(&rim, true);
+        let mut cells = vec![Vec::new(); stretches.sizes().len()];
+        stretches.runs().iter().for_each(|run| cells[run.patch].extend(run.start..run.end));
+        let mut exits: Vec<usize> = cells.iter().filter_map(|stretch| self.widest(stretch)).collect();
+        exits.sort_unstable();
+        exits
+    }
+
+    /// The cell of greatest clearance; of several, the middle one in the order given.
+    fn widest(&self, cells: &[usize]) -> Option<usize> {
+        let most = cells.iter().map(|&i| self.squared[i]).max()?;
+        let best: Vec<usize> = cells.iter().copied().filter(|&i| self.squared[i] == most).collect();
+        best.get(best.len() / 2).copied()
     }
 }
 
@@ -230,13 +248,6 @@ fn off_segment(point: &Point, from: &Point, to: &Point) -> f64 {
     let along = to - from;
     let share = (point - from).dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE);
     (point - (from + along * share.clamp(0.0, 1.0))).norm()
-}
-
-/// The cells connected to `start` by sides or corners, ascending.
-fn component(info: &GridInfo, start: usize, inside: &[bool]) -> Vec<usize> {
-    let mut seen = vec![false; inside.len()];
-    flood(info, start, true, |i| inside[i]).into_iter().for_each(|i| seen[i] = true);
-    (0..seen.len()).filter(|&i| seen[i]).collect()
 }
 
 /// Cells connected to `start` in the order of their distance from it in steps.
@@ -267,15 +278,18 @@ fn nearest_core_cell(
     parameters: &SkeletonParameters,
 ) -> Option<usize> {
     let info = grid.info();
+    if let Some(i) = core.window.place(start).filter(|&i| core.inside.contains(i)) {
+        return Some(i);
+    }
     let stuck = grid.cell(start) != Cell::Free;
     let step_out = Window::new(info, start, parameters.passage_width, 0.0);
     let passable = |at: CellIndex| grid.cell(at) == Cell::Free || (stuck && step_out.contains(at));
-    let mut seen = vec![false; core.inside.len()];
+    let mut seen = vec![false; info.width * info.height];
     let mut queue = VecDeque::from([start]);
     seen[info.offset(start)] = true;
     while let Some(at) = queue.pop_front() {
-        if core.inside[info.offset(at)] {
-            return Some(info.offset(at));
+        if let Some(i) = core.window.place(at).filter(|&i| core.inside.contains(i)) {
+            return Some(i);
         }
         for next in info.neighbors(at, false) {
             if passable(next) && !std::mem::replace(&mut seen[info.offset(next)], true) {
@@ -286,40 +300,14 @@ fn nearest_core_cell(
     None
 }
 
-/// For every stretch of rim that the members reach, its cell of greatest clearance; ascending.
-fn exits(members: &[usize], window: &Window, core: &Core) -> Vec<usize> {
-    let info = window.info;
-    let mut rim = vec![false; core.inside.len()];
-    let starts: Vec<usize> = members.iter().copied().filter(|&i| window.on_rim(info.index(i))).collect();
-    starts.iter().for_each(|&i| rim[i] = true);
-    let mut exits = Vec::new();
-    for start in starts {
-        if !rim[start] {
-            continue;
-        }
-        let stretch = flood(info, start, true, |i| rim[i]);
-        stretch.iter().for_each(|&i| rim[i] = false);
-        exits.extend(widest(&stretch, core));
-    }
-    exits.sort_unstable();
-    exits
-}
-
-/// The cell of greatest clearance; of several, the middle one in the order given.
-fn widest(cells: &[usize], core: &Core) -> Option<usize> {
-    let most = cells.iter().map(|&i| core.squared[i]).fold(0.0, f64::max);
-    let mut best: Vec<usize> = cells.iter().copied().filter(|&i| core.squared[i] == most).collect();
-    best.sort_unstable();
-    best.get(best.len() / 2).copied()
-}
-
 /// The end of the way that begins at the only exit: the ridge above the farthest cell.
 fn dead_end(exit: usize, core: &Core) -> Option<usize> {
-    let mut end = *flood(core.info, exit, true, |i| core.inside[i]).last()?;
+    let cut = &core.window.cut;
+    let mut end = *flood(cut, exit, true, |i| core.inside.contains(i)).last()?;
     loop {
-        let around = core.info.neighbors(core.info.index(end), true).map(|at| core.info.offset(at));
-        let inside = around.filter(|&i| core.inside[i]);
-        let steepest = inside.max_by(|&a, &b| core.squared[a].total_cmp(&core.squared[b]).then(b.cmp(&a)));
+        let around = cut.neighbors(cut.index(end), true).map(|at| cut.offset(at));
+        let inside = around.filter(|&i| core.inside.contains(i));
+        let steepest = inside.max_by(|&a, &b| core.squared[a].cmp(&core.squared[b]).then(b.cmp(&a)));
         match steepest {
             Some(next) if core.squared[next] > core.squared[end] => end = next,
             _ => return Some(end),

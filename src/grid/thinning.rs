@@ -5,15 +5,15 @@
 //! is left is the thinnest set that joins the anchors along the ridges of the distance, in other words the
 //! widest ways between them (Coeurjolly, Couprie and Zrour call it a guided homotopic skeleton).
 
-use std::collections::VecDeque;
+use std::ops::Range;
 
-/// The cells that remain of `members`, given in ascending row-major order in a grid of width x height cells.
-/// `rank` gives the order of removal; it is asked for members only.
+/// The cells that remain of some in a grid of width x height cells, ascending. They come as stretches of rows,
+/// ascending; `rank` gives the order of removal of each cell of the grid.
 pub(super) fn thin(
     width: usize,
     height: usize,
-    members: &[usize],
-    rank: impl Fn(usize) -> u32,
+    stretches: &[Range<usize>],
+    rank: &[u32],
     anchors: &[usize],
 ) -> Vec<usize> {
     // A frame of absent cells makes every neighbourhood complete.
@@ -21,18 +21,24 @@ pub(super) fn thin(
     let padded = |i: usize| (i / width + 1) * stride + i % width + 1;
     let mut ranks = vec![0u32; stride * (height + 2)];
     let mut present = vec![false; stride * (height + 2)];
-    let mut order: Vec<(u32, u32)> = Vec::with_capacity(members.len());
-    for &i in members {
-        let p = padded(i);
-        ranks[p] = rank(i);
-        present[p] = true;
-        order.push((ranks[p], p as u32));
+    let mut order: Vec<(u32, u32)> = Vec::with_capacity(stretches.iter().map(Range::len).sum());
+    for stretch in stretches {
+        let first = padded(stretch.start);
+        let there = first..first + stretch.len();
+        ranks[there.clone()].copy_from_slice(&rank[stretch.clone()]);
+        present[there].fill(true);
+        order.extend(rank[stretch.clone()].iter().zip(first as u32..).map(|(&rank, p)| (rank, p)));
     }
     let mut fixed = vec![false; present.len()];
     anchors.iter().for_each(|&i| fixed[padded(i)] = true);
     sort(&mut order);
     peel(&order, &ranks, &fixed, &mut present, stride);
-    members.iter().copied().filter(|&i| present[padded(i)]).collect()
+    let left = |stretch: &Range<usize>| {
+        let first = padded(stretch.start);
+        let cells = stretch.clone().zip(&present[first..first + stretch.len()]);
+        cells.filter(|(_, present)| **present).map(|(i, _)| i).collect::<Vec<_>>()
+    };
+    stretches.iter().flat_map(left).collect()
 }
 
 /// Sorts by rank and then by position; by counting where ranks are dense. Members come by ascending position.
@@ -56,26 +62,27 @@ pub(super) fn sort(order: &mut Vec<(u32, u32)>) {
 
 fn peel(order: &[(u32, u32)], ranks: &[u32], fixed: &[bool], present: &mut [bool], stride: usize) {
     let around = ring(stride);
-    let mut again: VecDeque<usize> = VecDeque::new();
-    let mut start = 0;
-    while start < order.len() {
-        let level = order[start].0;
-        let end = start + order[start..].iter().take_while(|(rank, _)| *rank == level).count();
-        again.extend(order[start..end].iter().map(|&(_, p)| p as usize));
+    let mut again: Vec<usize> = Vec::new();
+    for level in order.chunk_by(|a, b| a.0 == b.0) {
+        let rank = level[0].0;
+        again.clear();
+        again.extend(level.iter().map(|&(_, p)| p as usize));
         // A removal can make lower neighbours simple that were not when their turn came.
-        while let Some(p) = again.pop_front() {
-            if !present[p] || fixed[p] || !SIMPLE[neighborhood(present, p, &around)] {
+        let mut next = 0;
+        while next < again.len() {
+            let p = again[next];
+            next += 1;
+            if !present[p] || fixed[p] || !SIMPLE[neighborhood(present, p, stride)] {
                 continue;
             }
             present[p] = false;
             for offset in around {
                 let q = p.wrapping_add_signed(offset);
-                if present[q] && ranks[q] <= level {
-                    again.push_back(q);
+                if present[q] && ranks[q] <= rank {
+                    again.push(q);
                 }
             }
         }
-        start = end;
     }
 }
 
@@ -85,9 +92,18 @@ fn ring(stride: usize) -> [isize; 8] {
     [1, s + 1, s, s - 1, -1, -s - 1, -s, -s + 1]
 }
 
-fn neighborhood(present: &[bool], p: usize, around: &[isize; 8]) -> usize {
-    let bit = |(k, &offset): (usize, &isize)| usize::from(present[p.wrapping_add_signed(offset)]) << k;
-    around.iter().enumerate().map(bit).sum()
+/// Which of the eight neighbours are present, a bit each in the order of [`ring`].
+fn neighborhood(present: &[bool], p: usize, stride: usize) -> usize {
+    let row = |middle: usize| [present[middle - 1], present[middle], present[middle + 1]].map(usize::from);
+    let (below, [left, _, right], above) = (row(p - stride), row(p), row(p + stride));
+    right
+        | above[2] << 1
+        | above[1] << 2
+        | above[0] << 3
+        | left << 4
+        | below[0] << 5
+        | below[1] << 6
+        | below[2] << 7
 }
 
 /// For every neighbourhood, whether its centre is simple: Yokoi's connectivity number for 8-connected figures is 1.
@@ -155,7 +171,9 @@ mod tests {
         fn pieces_and_holes_are_kept(filled in prop::collection::vec(prop::bool::weighted(0.7), 12 * 9), seed in 0u32..1000) {
             let members: Vec<usize> = (0..filled.len()).filter(|&i| filled[i]).collect();
             let anchors: Vec<usize> = members.iter().copied().filter(|i| i % 17 == seed as usize % 17).collect();
-            let left = thin(12, 9, &members, |i| (i as u32 * 7919 + seed) % 5, &anchors);
+            let rank: Vec<u32> = (0..filled.len() as u32).map(|i| (i * 7919 + seed) % 5).collect();
+            let stretches: Vec<Range<usize>> = members.iter().map(|&i| i..i + 1).collect();
+            let left = thin(12, 9, &stretches, &rank, &anchors);
             prop_assert!(anchors.iter().all(|i| left.contains(i)));
             let count = |cells: &[usize]| pieces(12, 9, true, |i| cells.contains(&i));
             prop_assert_eq!(count(&members), count(&left));
@@ -165,9 +183,9 @@ mod tests {
 
     #[test]
     fn a_full_rectangle_shrinks_to_a_line_between_anchors() {
-        let members: Vec<usize> = (0..50).collect();
-        let rank = |i: usize| (i / 10).min(4 - i / 10) as u32;
-        assert_eq!(thin(10, 5, &members, rank, &[20, 29]), (20..30).collect::<Vec<_>>());
-        assert_eq!(thin(10, 5, &members, rank, &[]).len(), 1);
+        let rows: Vec<Range<usize>> = (0..5).map(|y| 10 * y..10 * y + 10).collect();
+        let rank: Vec<u32> = (0..50).map(|i| (i / 10).min(4 - i / 10)).collect();
+        assert_eq!(thin(10, 5, &rows, &rank, &[20, 29]), (20..30).collect::<Vec<_>>());
+        assert_eq!(thin(10, 5, &rows, &rank, &[]).len(), 1);
     }
 }

@@ -25,9 +25,10 @@ pub struct LaserScan {
 impl LaserScan {
     /// The beams in their order: range and end point in the robot's frame, or nothing where it did not return.
     pub fn beams(&self) -> impl Iterator<Item = Option<(f64, Point)>> {
-        self.ranges.iter().enumerate().map(|(k, range)| {
+        let robot_from_laser = self.robot_from_laser.transform();
+        self.ranges.iter().enumerate().map(move |(k, range)| {
             let angle = self.start_angle + self.angle_increment * k as f64;
-            range.map(|r| (r, self.robot_from_laser.transform_point(&Point::from(direction(angle) * r))))
+            range.map(|r| (r, robot_from_laser.point(&Point::from(direction(angle) * r))))
         })
     }
 

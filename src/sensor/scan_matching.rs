@@ -186,9 +186,9 @@ impl ScanMatcher {
     fn compare(&self, seen: &[Surface], pose: &Pose, reach: f64) -> (Matrix3<f64>, Vector3<f64>) {
         let noise = self.parameters.range_noise;
         let (mut information, mut pull) = (Matrix3::zeros(), Vector3::zeros());
+        let local_from_robot = pose.transform();
         for surface in seen {
-            let there =
-                Surface { at: pose.transform_point(&surface.at), normal: pose.rotate(&surface.normal) };
+            let there = surface.seen_from(&local_from_robot);
             let Some(wall) = self.walls.nearest(&there, reach) else { continue };
             let off = wall.normal.dot(&(there.at - wall.at));
             let arm = there.at - pose.position();
@@ -209,10 +209,8 @@ impl ScanMatcher {
             return;
         }
         self.remembered = Some(*pose);
-        for surface in seen {
-            self.walls
-                .add(Surface { at: pose.transform_point(&surface.at), normal: pose.rotate(&surface.normal) });
-        }
+        let local_from_robot = pose.transform();
+        seen.iter().for_each(|surface| self.walls.add(surface.seen_from(&local_from_robot)));
     }
 }
 

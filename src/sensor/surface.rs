@@ -1,6 +1,6 @@
 //! Pieces of wall in a scan: the points it met, each with the direction of the wall there.
 
-use crate::geometry::{Point, Vector, direction};
+use crate::geometry::{Point, Transform, Vector, direction};
 use crate::sensor::LaserScan;
 
 /// A point of a wall and which way the wall faces.
@@ -10,6 +10,13 @@ pub struct Surface {
     pub at: Point,
     /// The unit vector across the wall, towards the side it was seen from.
     pub normal: Vector,
+}
+
+impl Surface {
+    /// The same surface in the frame that the transform leads to.
+    pub(super) fn seen_from(&self, to_frame: &Transform) -> Surface {
+        Surface { at: to_frame.point(&self.at), normal: to_frame.rotate(&self.normal) }
+    }
 }
 
 /// Beams on either side of one that may lie on the same wall.

@@ -11,7 +11,6 @@ const SURE: f64 = 20.0;
 /// A piece of wall: the mean of what was seen of it in one square of the plane.
 #[derive(Clone, Copy, Debug)]
 struct Element {
-    square: [i32; 2],
     sightings: f64,
     surface: Surface,
     /// How far the robot had driven when it was last seen, metres.
@@ -24,6 +23,8 @@ struct Element {
 pub(super) struct Walls {
     side: f64,
     squares: i32,
+    /// Whose memory each place of the window is; apart from the elements, as most places looked up hold none.
+    squares_in: Vec<Option<[i32; 2]>>,
     elements: Vec<Option<Element>>,
     memory: f64,
     driven: f64,
@@ -34,7 +35,15 @@ impl Walls {
     /// is forgotten.
     pub(super) fn new(window: f64, side: f64, memory: f64) -> Self {
         let squares = (window / side).ceil().clamp(1.0, 4096.0) as i32;
-        Walls { side, squares, elements: vec![None; (squares * squares) as usize], memory, driven: 0.0 }
+        let places = (squares * squares) as usize;
+        Walls {
+            side,
+            squares,
+            squares_in: vec![None; places],
+            elements: vec![None; places],
+            memory,
+            driven: 0.0,
+        }
     }
 
     /// The robot has driven on by so many metres.
@@ -52,19 +61,28 @@ impl Walls {
                 element.add(&seen);
                 element.driven = driven;
             }
-            other => *other = Some(Element { square, sightings: 1.0, surface: seen, driven }),
+            other => {
+                *other = Some(Element { sightings: 1.0, surface: seen, driven });
+                self.squares_in[slot] = Some(square);
+            }
         }
     }
 
     /// The wall nearest to a surface, within reach, that faces the same way.
     pub(super) fn nearest(&self, to: &Surface, reach: f64) -> Option<Surface> {
         let here = self.square(&to.at)?;
+        let middle = here.map(|v| v.rem_euclid(self.squares));
         let mut last = (reach / self.side).ceil() as i32;
         let mut best: Option<(f64, Surface)> = None;
         let mut ring = 0;
         while ring <= last {
-            for square in ring_around(here, ring) {
-                let Some(Element { surface, .. }) = self.element(square) else { continue };
+            for offset in ring_around(ring) {
+                if best.is_some_and(|(nearest, _)| self.gap(&to.at, here, offset) > nearest) {
+                    continue;
+                }
+                let Some(Element { surface, .. }) = self.element_beside(here, middle, offset) else {
+                    continue;
+                };
                 let away = (surface.at - to.at).norm();
                 let same = away < reach && surface.normal.dot(&to.normal) > SAME_WALL;
                 if same && best.is_none_or(|(nearest, _)| away < nearest) {
@@ -79,9 +97,36 @@ impl Walls {
     }
 
     fn element(&self, square: [i32; 2]) -> Option<&Element> {
-        let known =
-            |element: &&Element| element.square == square && self.driven - element.driven <= self.memory;
-        self.elements[self.slot(square)].as_ref().filter(known)
+        self.element_in(self.slot(square), square)
+    }
+
+    fn element_in(&self, slot: usize, square: [i32; 2]) -> Option<&Element> {
+        if self.squares_in[slot] != Some(square) {
+            return None;
+        }
+        self.elements[slot].as_ref().filter(|element| self.driven - element.driven <= self.memory)
+    }
+
+    /// A bound below which no point of the square so many columns and rows beside that of a point comes to it. What is
+    /// known of a square lies in it, but for rounding.
+    fn gap(&self, at: &Point, here: [i32; 2], offset: [i32; 2]) -> f64 {
+        let along = |at: f64, here: i32, offset: i32| {
+            let border = f64::from(here + i32::from(offset < 0) + offset) * self.side;
+            if offset == 0 { 0.0 } else { (at - border).abs() }
+        };
+        let (x, y) = (along(at.x, here[0], offset[0]), along(at.y, here[1], offset[1]));
+        x.max(y) - 1e-6
+    }
+
+    /// The element of the square so many columns and rows beside one, of which the place in the window is known.
+    fn element_beside(&self, here: [i32; 2], middle: [i32; 2], away: [i32; 2]) -> Option<&Element> {
+        let wrapped = |k: usize| {
+            let at = middle[k] + away[k];
+            // Mostly no more than one window away.
+            if (0..self.squares).contains(&at) { at } else { at.rem_euclid(self.squares) }
+        };
+        let slot = (wrapped(1) * self.squares + wrapped(0)) as usize;
+        self.element_in(slot, [here[0] + away[0], here[1] + away[1]])
     }
 
     /// The square of a point, if it is one that can be counted.
@@ -115,11 +160,11 @@ impl Element {
     }
 }
 
-/// The squares at a distance of `ring` from one, in the maximum norm.
-fn ring_around([x, y]: [i32; 2], ring: i32) -> impl Iterator<Item = [i32; 2]> {
+/// The offsets of the squares at a distance of `ring` from one, in the maximum norm.
+fn ring_around(ring: i32) -> impl Iterator<Item = [i32; 2]> {
     (-ring..=ring).flat_map(move |dy| {
         let step = if dy.abs() == ring { 1 } else { 2 * ring as usize };
-        (-ring..=ring).step_by(step.max(1)).map(move |dx| [x + dx, y + dy])
+        (-ring..=ring).step_by(step.max(1)).map(move |dx| [dx, dy])
     })
 }
 

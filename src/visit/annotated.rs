@@ -2,7 +2,7 @@
 
 use crate::geometry::Point;
 use crate::grid::GridError;
-use crate::sensor::LaserScan;
+use crate::sensor::{LaserScan, LocalPose};
 use crate::visit::follower::Follower;
 use crate::visit::{Moment, Stage, Visit, VisitParameters};
 use thiserror::Error;
@@ -81,6 +81,16 @@ impl AnnotatedVisits {
     /// Takes the next scan; gives the visit before, if the robot has come to the next mark.
     pub fn add(&mut self, scan: &LaserScan) -> Option<Stage> {
         let moment = self.follower.add(scan);
+        self.go_on(moment)
+    }
+
+    /// As [`AnnotatedVisits::add`], with the pose that a [`ScanMatcher`](crate::sensor::ScanMatcher) gave to each scan.
+    pub fn add_placed(&mut self, scan: &LaserScan, pose: &LocalPose) -> Option<Stage> {
+        let moment = self.follower.add_placed(scan, pose);
+        self.go_on(moment)
+    }
+
+    fn go_on(&mut self, moment: Moment) -> Option<Stage> {
         self.scans += 1;
         if self.arrivals.get(self.passed) != Some(&moment.scan) {
             self.stay_on(moment);

@@ -3,7 +3,7 @@
 use crate::geometry::{Point, Pose, wrap_angle};
 use crate::grid::GridError;
 use crate::lpm::Lpm;
-use crate::sensor::LaserScan;
+use crate::sensor::{LaserScan, LocalPose};
 use crate::star::{PlaceDescription, describe};
 use crate::visit::follower::Follower;
 use crate::visit::passage::passages;
@@ -78,6 +78,17 @@ impl VisitDetector {
     /// Takes the next scan; gives the visits that are certain now.
     pub fn add(&mut self, scan: &LaserScan) -> Vec<Stage> {
         let moment = self.follower.add(scan);
+        self.go_on(moment)
+    }
+
+    /// As [`VisitDetector::add`], with the pose that a [`ScanMatcher`](crate::sensor::ScanMatcher) gave to each scan,
+    /// which may run ahead elsewhere.
+    pub fn add_placed(&mut self, scan: &LaserScan, pose: &LocalPose) -> Vec<Stage> {
+        let moment = self.follower.add_placed(scan, pose);
+        self.go_on(moment)
+    }
+
+    fn go_on(&mut self, moment: Moment) -> Vec<Stage> {
         if moment.driven >= self.next {
             self.awaiting.push_back(moment);
             self.next = moment.driven + self.parameters.spacing;

@@ -34,7 +34,7 @@ impl Follower {
         OccupancyGrid::check(&info)?;
         Ok(Follower {
             matcher: ScanMatcher::new(parameters.matching),
-            evidence: EvidenceGrid::new(info, parameters.matching.memory),
+            evidence: EvidenceGrid::new(info, parameters.matching.memory, parameters.evidence),
             moments: Vec::new(),
             scans: 0,
             side,
@@ -44,7 +44,12 @@ impl Follower {
     /// Takes the next scan.
     pub(super) fn add(&mut self, scan: &LaserScan) -> Moment {
         let pose = self.matcher.add(scan);
-        let moment = self.push(&pose);
+        self.add_placed(scan, &pose)
+    }
+
+    /// Takes the next scan, of which the pose is known.
+    pub(super) fn add_placed(&mut self, scan: &LaserScan, pose: &LocalPose) -> Moment {
+        let moment = self.push(pose);
         if pose.used {
             let at = pose.local_from_robot.position();
             if (at - self.evidence.middle()).amax() > FOLLOW {

@@ -18,7 +18,7 @@ pub use detector::VisitDetector;
 
 use crate::geometry::{Point, Pose, bearing};
 use crate::lpm::Lpm;
-use crate::sensor::MatchingParameters;
+use crate::sensor::{EvidenceParameters, MatchingParameters};
 use crate::star::PerceptionParameters;
 use nalgebra::Matrix3;
 
@@ -27,6 +27,8 @@ use nalgebra::Matrix3;
 pub struct VisitParameters {
     /// How scans are matched.
     pub matching: MatchingParameters,
+    /// How scans are made a grid.
+    pub evidence: EvidenceParameters,
     /// How stars are read.
     pub perception: PerceptionParameters,
     /// Side of a cell. Default 0.05.
@@ -50,6 +52,7 @@ impl Default for VisitParameters {
     fn default() -> Self {
         VisitParameters {
             matching: MatchingParameters::default(),
+            evidence: EvidenceParameters::default(),
             perception: PerceptionParameters::default(),
             resolution: 0.05,
             side: 20.0,

@@ -4,7 +4,9 @@ use crate::maps::data;
 use bzip2::read::MultiBzDecoder;
 use std::fs::{self, File};
 use std::io::BufReader;
+use topostar::export::Mark;
 use topostar::lpm::Lpm;
+use topostar::sensor::LaserScan;
 use topostar::sensor::log::{LogOptions, carmen_scans};
 use topostar::star::{LargeScaleStar, PerceptionParameters, describe};
 use topostar::trace::recording::Arrival;
@@ -16,20 +18,30 @@ pub(super) struct Visit {
     pub(super) lpm: Lpm,
 }
 
-/// The 15 visits of the log, at the arrivals that the list marks.
-pub(super) fn load() -> Vec<Visit> {
+pub(super) fn scans() -> Vec<LaserScan> {
     let file = File::open(data("logs/aces.clf.bz2")).unwrap();
     let log = BufReader::new(MultiBzDecoder::new(file));
     let (scans, fault) = carmen_scans(log, LogOptions::default()).read_all();
     assert!(fault.is_none(), "{fault:?}");
+    scans
+}
+
+/// The true arrivals.
+pub(super) fn marks() -> Vec<Mark> {
     let list = fs::read_to_string(data("logs/aces-visits.csv")).unwrap();
-    let arrivals = Arrival::read_csv(&list).unwrap();
-    let marks = arrivals.iter().map(|arrival| arrival.scan).collect();
-    let mut visits = AnnotatedVisits::new(marks, &VisitParameters::default()).unwrap();
+    let arrivals = Arrival::read_csv(&list).unwrap().into_iter();
+    arrivals.map(|Arrival { place, scan }| Mark { place, scan }).collect()
+}
+
+/// The 15 visits of the log, at the arrivals that the list marks.
+pub(super) fn load() -> Vec<Visit> {
+    let (scans, marks) = (scans(), marks());
+    let arrivals = marks.iter().map(|mark| mark.scan).collect();
+    let mut visits = AnnotatedVisits::new(arrivals, &VisitParameters::default()).unwrap();
     let mut stages: Vec<Stage> = scans.iter().filter_map(|scan| visits.add(scan)).collect();
     stages.extend(visits.finish().0);
-    let visit = |(arrival, stage): (Arrival, Stage)| Visit { place: arrival.place, lpm: stage.visit.lpm };
-    arrivals.into_iter().zip(stages).map(visit).collect()
+    let visit = |(mark, stage): (Mark, Stage)| Visit { place: mark.place, lpm: stage.visit.lpm };
+    marks.into_iter().zip(stages).map(visit).collect()
 }
 
 pub(super) fn stars(visits: &[Visit], parameters: &PerceptionParameters) -> Vec<Option<LargeScaleStar>> {

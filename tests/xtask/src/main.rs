@@ -55,10 +55,13 @@ usage: cargo xtask <task>
   compare [SECONDS]
            the search beside clingo on the recorded grids: whether the answers are the same, then how long each takes;
            clingo is cut off after so many seconds a question, 60 unless told otherwise
+  compare-perception
+           distance field, skeleton and graph beside OpenCV, scikit-image and sknw: whether the answers are the same, then
+           how long each takes
   evaluate [WALKS [SEED]]
            random walks with odometry that drifts: how often an axiom refutes the true map, how many candidates are
            left, and how often the true map is preferred
-  gateways [visits] [doors] [borders] [stability] [defaults]
+  gateways [visits] [doors] [borders] [stability] [defaults] [chain]
            how well gateways and stars are read off recorded maps; needs ../shared/data
   golden   write the golden files anew (api/openapi.json, api/examples, worlds/pictures); look at the difference
            before committing";
@@ -73,7 +76,8 @@ fn main() -> ExitCode {
             environment: &[("UPDATE_GOLDEN", "1")],
             component: None,
         }]),
-        ["compare", ref rest @ ..] => compare(rest),
+        ["compare", ref rest @ ..] => compare("rival", oracles::CLINGO, rest),
+        ["compare-perception"] => compare("perception_rival", oracles::IMAGES, &[]),
         ["evaluate", ref rest @ ..] => evaluate(rest),
         ["gateways", ref rest @ ..] => bench("gateways", rest, &[]),
         ["help" | "--help" | "-h"] => {
@@ -87,9 +91,9 @@ fn main() -> ExitCode {
     }
 }
 
-fn compare(rest: &[&str]) -> ExitCode {
-    match oracles::set_up(&root()) {
-        Ok(python) => bench("rival", rest, &[(oracles::PYTHON, python)]),
+fn compare(target: &str, rivals: &[oracles::Package], rest: &[&str]) -> ExitCode {
+    match oracles::set_up(&root(), rivals) {
+        Ok(python) => bench(target, rest, &[(oracles::PYTHON, python)]),
         Err(why) => {
             eprintln!("failed: no rival to compare with: {why}");
             ExitCode::FAILURE
@@ -128,7 +132,7 @@ fn root() -> PathBuf {
 
 fn test() -> ExitCode {
     let root = root();
-    if let Err(why) = oracles::set_up(&root) {
+    if let Err(why) = oracles::set_up(&root, oracles::CLINGO) {
         eprintln!("failed: no oracle to hold the search to: {why}");
         return ExitCode::FAILURE;
     }

@@ -1,0 +1,214 @@
+//! One bit a cell: what holds of whole rows is found sixty-four cells at a time.
+
+use crate::grid::Cell;
+
+/// The cells of a grid of which something holds, row by row; every row begins a word of its own.
+pub(super) struct Plane {
+    words: Vec<u64>,
+    width: usize,
+    stride: usize,
+}
+
+/// Moves the lowest bits of eight bytes side by side into the highest byte.
+const GATHER: u64 = 0x0102_0408_1020_4080;
+
+impl Plane {
+    /// The cells of one kind. Linear in the cells.
+    pub(super) fn of(cells: &[Cell], width: usize, kind: Cell) -> Self {
+        let stride = width.div_ceil(64);
+        let mut words = Vec::with_capacity(stride * (cells.len() / width));
+        for row in cells.chunks_exact(width) {
+            words.extend(row.chunks(64).map(|cells| packed(cells, kind)));
+        }
+        Plane { words, width, stride }
+    }
+
+    /// No cells of a grid of so many columns and rows.
+    pub(super) fn empty(width: usize, height: usize) -> Self {
+        let stride = width.div_ceil(64);
+        Plane { words: vec![0; stride * height], width, stride }
+    }
+
+    /// Adds those cells of a stretch of a row of which something holds, told by their position in the stretch.
+    pub(super) fn insert_where(&mut self, first: usize, count: usize, holds: impl Fn(usize) -> bool) {
+        let (y, x) = (first / self.width, first % self.width);
+        let row = &mut self.words[y * self.stride..(y + 1) * self.stride];
+        for (k, word) in row.iter_mut().enumerate() {
+            let (low, high) = ((k * 64).max(x), (k * 64 + 64).min(x + count));
+            for at in low..high {
+                *word |= u64::from(holds(at - x)) << (at % 64);
+            }
+        }
+    }
+
+    pub(super) fn contains(&self, cell: usize) -> bool {
+        let (word, bit) = self.place(cell);
+        self.words[word] & bit != 0
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.words.iter().all(|&word| word == 0)
+    }
+
+    /// Cells of a row.
+    pub(super) fn width(&self) -> usize {
+        self.width
+    }
+
+    /// The cells that are not in the plane.
+    pub(super) fn complement(&self) -> Self {
+        let last = u64::MAX >> (self.stride * 64 - self.width);
+        let flip =
+            |(k, word): (usize, &u64)| !word & if (k + 1) % self.stride == 0 { last } else { u64::MAX };
+        Plane { words: self.words.iter().enumerate().map(flip).collect(), ..*self }
+    }
+
+    pub(super) fn insert(&mut self, cell: usize) {
+        let (word, bit) = self.place(cell);
+        self.words[word] |= bit;
+    }
+
+    pub(super) fn remove(&mut self, cell: usize) {
+        let (word, bit) = self.place(cell);
+        self.words[word] &= !bit;
+    }
+
+    fn place(&self, cell: usize) -> (usize, u64) {
+        let (x, y) = (cell % self.width, cell / self.width);
+        (y * self.stride + x / 64, 1 << (x % 64))
+    }
+
+    fn rows(&self) -> std::slice::ChunksExact<'_, u64> {
+        self.words.chunks_exact(self.stride)
+    }
+
+    /// The cells of this plane whose right neighbour is in the other, ascending.
+    pub(super) fn left_of(&self, other: &Plane) -> Vec<usize> {
+        let mut found = Vec::new();
+        for (y, (row, beside)) in self.rows().zip(other.rows()).enumerate() {
+            for (k, word) in row.iter().enumerate() {
+                let next = beside.get(k + 1).map_or(0, |word| word << 63);
+                each_bit(word & (beside[k] >> 1 | next), |x| found.push(y * self.width + k * 64 + x));
+            }
+        }
+        found
+    }
+
+    /// The cells of this plane whose neighbour in the row above is in the other, ascending.
+    pub(super) fn below(&self, other: &Plane) -> Vec<usize> {
+        let mut found = Vec::new();
+        for (y, (row, above)) in self.rows().zip(other.rows().skip(1)).enumerate() {
+            for (k, (word, above)) in row.iter().zip(above).enumerate() {
+                each_bit(word & above, |x| found.push(y * self.width + k * 64 + x));
+            }
+        }
+        found
+    }
+
+    /// Calls with each longest stretch of cells side by side, `start..end` in row-major order, row by row.
+    pub(super) fn each_run(&self, mut call: impl FnMut(usize, usize)) {
+        for (y, row) in self.rows().enumerate() {
+            let first = y * self.width;
+            let mut begun = None;
+            for (k, &word) in row.iter().enumerate() {
+                let at = first + k * 64;
+                // A run that came in from the word before ends at the first cell that is not in the plane.
+                let mut rest = word;
+                if let Some(start) = begun.take() {
+                    let ones = rest.trailing_ones() as usize;
+                    if ones == 64 {
+                        begun = Some(start);
+                        continue;
+                    }
+                    call(start, at + ones);
+                    rest &= u64::MAX << ones;
+                }
+                while rest != 0 {
+                    let zeros = rest.trailing_zeros();
+                    let ones = (rest >> zeros).trailing_ones();
+                    let start = at + zeros as usize;
+                    if zeros + ones == 64 {
+                        begun = Some(start);
+                        break;
+                    }
+                    call(start, start + ones as usize);
+                    rest &= u64::MAX << (zeros + ones);
+                }
+            }
+            if let Some(start) = begun {
+                call(start, first + self.width);
+            }
+        }
+    }
+}
+
+fn packed(cells: &[Cell], kind: Cell) -> u64 {
+    let eight = |k: usize, cells: &[Cell]| {
+        let mut bytes = [0; 8];
+        bytes.iter_mut().zip(cells).for_each(|(byte, &cell)| *byte = u8::from(cell == kind));
+        u64::from_le_bytes(bytes).wrapping_mul(GATHER) >> 56 << (8 * k)
+    };
+    cells.chunks(8).enumerate().map(|(k, cells)| eight(k, cells)).sum()
+}
+
+fn each_bit(mut word: u64, mut call: impl FnMut(usize)) {
+    while word != 0 {
+        call(word.trailing_zeros() as usize);
+        word &= word - 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn any_cells() -> impl Strategy<Value = (usize, Vec<Cell>)> {
+        let cell = prop_oneof![6 => Just(Cell::Free), 3 => Just(Cell::Unknown), 1 => Just(Cell::Occupied)];
+        (1usize..150, 1usize..6).prop_flat_map(move |(width, height)| {
+            (Just(width), prop::collection::vec(cell.clone(), width * height))
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn planes_say_what_the_cells_say((width, cells) in any_cells()) {
+            let free = Plane::of(&cells, width, Cell::Free);
+            let unknown = Plane::of(&cells, width, Cell::Unknown);
+            let is = |i: usize, kind: Cell| cells.get(i) == Some(&kind);
+            let beside = |step: usize, ends: fn(usize, usize) -> bool| -> Vec<usize> {
+                let found = |&i: &usize| is(i, Cell::Free) && !ends(i, width) && is(i + step, Cell::Unknown);
+                (0..cells.len()).filter(found).collect()
+            };
+            prop_assert_eq!(free.left_of(&unknown), beside(1, |i, width| i % width == width - 1));
+            prop_assert_eq!(free.below(&unknown), beside(width, |_, _| false));
+            for (plane, inside) in [(&free, true), (&free.complement(), false)] {
+                let mut found = Vec::new();
+                plane.each_run(|start, end| found.push((start, end)));
+                let mut wanted = Vec::new();
+                for (y, row) in cells.chunks(width).enumerate() {
+                    let mut start = y * width;
+                    for run in row.chunk_by(|a, b| (*a == Cell::Free) == (*b == Cell::Free)) {
+                        if (run[0] == Cell::Free) == inside {
+                            wanted.push((start, start + run.len()));
+                        }
+                        start += run.len();
+                    }
+                }
+                prop_assert_eq!(found, wanted);
+            }
+        }
+
+        #[test]
+        fn what_is_put_in_is_in_and_what_is_taken_out_is_not((width, cells) in any_cells(), pick in 0usize..1000) {
+            let at = pick % cells.len();
+            let mut changed = cells.clone();
+            let mut plane = Plane::of(&cells, width, Cell::Free);
+            for (kind, put) in [(Cell::Free, true), (Cell::Occupied, false)] {
+                changed[at] = kind;
+                if put { plane.insert(at) } else { plane.remove(at) }
+                prop_assert_eq!(&plane.words, &Plane::of(&changed, width, Cell::Free).words);
+            }
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! The disc around a place within which the grid is looked at.
+
+use crate::grid::{CellIndex, GridInfo};
+use std::ops::Range;
+
+/// The part of the grid in which free space counts as settled. Lengths are in cells.
+pub(super) struct Window<'a> {
+    pub(super) info: &'a GridInfo,
+    center: CellIndex,
+    radius: f64,
+    rim: f64,
+    /// The smallest part of the grid that holds the window; indices of cells are positions in it.
+    pub(super) cut: GridInfo,
+    /// Its first cell.
+    pub(super) corner: CellIndex,
+}
+
+impl<'a> Window<'a> {
+    pub(super) fn new(info: &'a GridInfo, center: CellIndex, radius: f64, rim: f64) -> Self {
+        let (radius, rim) = (radius / info.resolution, rim / info.resolution);
+        // Casts saturate: no part of a grid is larger than the grid.
+        let reach = radius.max(0.0) as usize;
+        let corner = CellIndex { x: center.x.saturating_sub(reach), y: center.y.saturating_sub(reach) };
+        let end = |at: usize, side: usize| side.min(at.saturating_add(reach).saturating_add(1));
+        let cut = GridInfo {
+            width: end(center.x, info.width) - corner.x,
+            height: end(center.y, info.height) - corner.y,
+            ..*info
+        };
+        Window { info, center, radius, rim, cut, corner }
+    }
+
+    pub(super) fn contains(&self, at: CellIndex) -> bool {
+        self.squared_offset(at) <= self.radius * self.radius
+    }
+
+    /// Whether a cell of the window is nearer to what is not in the window than the depth of the rim.
+    pub(super) fn on_rim(&self, at: CellIndex) -> bool {
+        let inner = (self.radius - self.rim).max(0.0);
+        let edge = at.x.min(at.y).min(self.info.width - 1 - at.x).min(self.info.height - 1 - at.y);
+        (edge as f64) < self.rim || self.squared_offset(at) > inner * inner
+    }
+
+    fn squared_offset(&self, at: CellIndex) -> f64 {
+        let (dx, dy) = (at.x as f64 - self.center.x as f64, at.y as f64 - self.center.y as f64);
+        dx * dx + dy * dy
+    }
+
+    /// Where in the cut out part a cell is, if it is there.
+    pub(super) fn place(&self, at: CellIndex) -> Option<usize> {
+        let (x, y) = (at.x.checked_sub(self.corner.x)?, at.y.checked_sub(self.corner.y)?);
+        (x < self.cut.width && y < self.cut.height).then_some(y * self.cut.width + x)
+    }
+
+    /// The inverse of `place`.
+    pub(super) fn cell(&self, place: usize) -> CellIndex {
+        let at = self.cut.index(place);
+        CellIndex { x: at.x + self.corner.x, y: at.y + self.corner.y }
+    }
+
+    /// Positions in a row of the cut out part, given by its first cell, that are in the window.
+    pub(super) fn stretch(&self, first: usize) -> Range<usize> {
+        let row = self.cell(first);
+        let middle = self.center.x - self.corner.x;
+        let in_disc = |dx: usize| self.contains(CellIndex { x: self.center.x + dx, ..row });
+        if !in_disc(0) {
+            return first..first;
+        }
+        let across = row.y.abs_diff(self.center.y) as f64;
+        let mut half = (self.radius * self.radius - across * across).max(0.0).sqrt() as usize;
+        // The root is rounded.
+        while half > 0 && !in_disc(half) {
+            half -= 1;
+        }
+        while in_disc(half + 1) {
+            half += 1;
+        }
+        first + middle.saturating_sub(half)..first + (middle + half + 1).min(self.cut.width)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn the_stretches_of_a_window_are_its_cells(
+            (width, height) in (1usize..30, 1usize..30), (x, y) in (0usize..1000, 0usize..1000), radius in 0.0..40.0f64,
+        ) {
+            let info = GridInfo { resolution: 1.0, width, height, origin: crate::geometry::Pose::IDENTITY };
+            let window = Window::new(&info, CellIndex { x: x % width, y: y % height }, radius, 1.0);
+            let cut = window.cut;
+            let rows = (0..cut.height).flat_map(|y| window.stretch(y * cut.width));
+            let found: Vec<CellIndex> = rows.map(|place| window.cell(place)).collect();
+            let all = (0..width * height).map(|i| info.index(i));
+            prop_assert_eq!(found, all.filter(|&at| window.contains(at)).collect::<Vec<_>>());
+            for at in (0..width * height).map(|i| info.index(i)) {
+                prop_assert!(window.place(at).is_none_or(|place| window.cell(place) == at));
+                prop_assert!(window.place(at).is_some() || !window.contains(at));
+            }
+        }
+    }
+}
