@@ -182,7 +182,8 @@ impl Measure<'_> {
         indices.dedup();
         let sample = |i: usize| {
             let along = self.outward(way, i).unwrap_or_else(Vector::zeros);
-            let sides = self.distance.sides(way.cells[i], &along, 2.0 * info.resolution, ABREAST);
+            let slack = (comfort_distance - way.clearance[i]).max(2.0 * info.resolution);
+            let sides = self.distance.sides(way.cells[i], &along, slack, ABREAST);
             let close = way.clearance[i] <= comfort_distance + info.resolution;
             Beyond {
                 at: info.origin.transform_point(&way.points[i]),

@@ -35,9 +35,9 @@ pub struct Gateway {
 pub struct Beyond {
     /// The point, LPM frame.
     pub at: Point,
-    /// Whether a wall on the left is as near as the nearest obstacle, within the comfort distance.
+    /// Whether there is a wall on the left within the comfort distance.
     pub left: bool,
-    /// Whether a wall on the right is as near as the nearest obstacle, within the comfort distance.
+    /// Whether there is a wall on the right within the comfort distance.
     pub right: bool,
     /// Distance to the nearest obstacle, metres.
     pub clearance: f64,
