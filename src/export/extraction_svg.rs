@@ -1,6 +1,7 @@
 //! A drawing of one extraction: grid, skeleton, gateways, path fragments, and the star listed beside them.
 
-use crate::export::sheet::{COLORS, FAINT, INK, sheet};
+use crate::export::sheet::{COLORS, DOUBTFUL, FAINT, INK, sheet};
+use crate::export::visits_svg::least;
 use crate::geometry::{Point, Pose, Vector, bearing, direction};
 use crate::grid::{Cell, OccupancyGrid};
 use crate::star::{ControlLaw, Direction, PlaceDescription, Slot};
@@ -12,22 +13,30 @@ const MAP: f64 = 640.0;
 const LISTING: f64 = 460.0;
 const PADDING: f64 = 20.0;
 const LINE_HEIGHT: f64 = 30.0;
-const DOUBTFUL: &str = "#b91c1c";
 
 /// An SVG document of a described place and the robot's pose in it.
 pub fn extraction_svg(place: &PlaceDescription, robot: &Pose) -> String {
-    let view = View::around(&place.grid);
+    let (width, height) = panel_size(place);
+    sheet(width, height).add(panel(place, robot)).to_string()
+}
+
+/// Width and height of the drawing of a place, user units.
+pub(super) fn panel_size(place: &PlaceDescription) -> (f64, f64) {
     let height = (MAP + 2.0 * PADDING).max(place.star.slots().len() as f64 * LINE_HEIGHT + 130.0);
-    let width = MAP + LISTING + 3.0 * PADDING;
-    let document = sheet(width, height)
+    (MAP + LISTING + 3.0 * PADDING, height)
+}
+
+/// The drawing of a place, its top left corner at the origin.
+pub(super) fn panel(place: &PlaceDescription, robot: &Pose) -> Group {
+    let view = View::around(&place.grid);
+    Group::new()
         .add(grid(&place.grid, &view))
         .add(skeleton(place, &view))
         .add(fragments(place, &view))
         .add(gateways(place, &view))
         .add(robot_mark(robot, &view))
         .add(scale_bar(&view))
-        .add(listing(place));
-    document.to_string()
+        .add(listing(place))
 }
 
 /// From metres of the LPM frame to user units, y downward.
@@ -144,11 +153,14 @@ fn gateways(place: &PlaceDescription, view: &View) -> Group {
         let unit = gateway.outward() / view.scale;
         let label = view.at(&(gateway.center + unit * 52.0));
         let text = Text::new(format!("{}", i + 1)).set("x", label.0).set("y", label.1 + 6.0);
+        let margin = Text::new(percent(gateway.margin)).set("x", label.0).set("y", label.1 + 28.0);
+        let margin = margin.set("text-anchor", "middle").set("font-size", 14).set("fill", doubt(gateway.margin));
         group = group
             .add(view.line(&gateway.ends[0], &gateway.ends[1]).set("stroke", color))
             .add(arrow(view, &gateway.center, &gateway.outward(), 34.0, color))
             .add(Circle::new().set("cx", label.0).set("cy", label.1).set("r", 12).set("fill", color))
-            .add(text.set("text-anchor", "middle").set("font-size", 16).set("fill", "white"));
+            .add(text.set("text-anchor", "middle").set("font-size", 16).set("fill", "white"))
+            .add(margin.set("stroke-width", 0));
     }
     group
 }
@@ -192,7 +204,10 @@ fn listing(place: &PlaceDescription) -> Group {
         .set("font-size", 16)
         .add(title.set("x", left).set("y", PADDING + 26.0))
         .add(subtitle.set("x", left).set("y", PADDING + 48.0));
+    let (unsure, _) = least(place);
     for (row, slot) in place.star.slots().iter().enumerate() {
+        let weight = if row == usize::from(unsure.0) { "bold" } else { "normal" };
+        let tint = slot.margin.map_or(FAINT, doubt);
         let y = PADDING + 88.0 + row as f64 * LINE_HEIGHT;
         let color = color(slot.fragment.0 as usize - 1);
         let cell = |text: String, x: f64| Text::new(text).set("x", left + x).set("y", y);
@@ -208,7 +223,12 @@ fn listing(place: &PlaceDescription) -> Group {
             .add(cell(fragment_name(slot), 16.0).set("font-weight", "bold"))
             .add(cell(gateway_names(slot), 80.0))
             .add(cell(format!("{:?}", slot.control), 252.0).set("font-style", style(slot.control)))
-            .add(cell(margin(slot), LISTING - 74.0).set("text-anchor", "end").set("fill", doubt(slot)))
+            .add(
+                cell(slot.margin.map_or_else(String::new, percent), LISTING - 74.0)
+                    .set("text-anchor", "end")
+                    .set("font-weight", weight)
+                    .set("fill", tint),
+            )
             .add(cell(degrees(slot), LISTING - 16.0).set("text-anchor", "end").set("fill", FAINT));
     }
     group
@@ -232,13 +252,13 @@ fn gateway_names(slot: &Slot) -> String {
     names.into_iter().flatten().collect::<Vec<_>>().join(" & ")
 }
 
-fn margin(slot: &Slot) -> String {
-    slot.margin.map_or_else(String::new, |margin| format!("{:.0} %", 100.0 * margin))
+fn percent(margin: f64) -> String {
+    format!("{:.0} %", 100.0 * margin)
 }
 
 /// What is within a tenth of being decided otherwise stands out.
-fn doubt(slot: &Slot) -> &'static str {
-    if slot.margin.is_some_and(|margin| margin < 0.1) { DOUBTFUL } else { FAINT }
+fn doubt(margin: f64) -> &'static str {
+    if margin < 0.1 { DOUBTFUL } else { FAINT }
 }
 
 fn degrees(slot: &Slot) -> String {
