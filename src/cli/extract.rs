@@ -107,14 +107,7 @@ impl Extract {
         let both = || lpms.iter().zip(places).enumerate();
         let whole = match (lpms, places) {
             ([lpm], [place]) => place.as_ref().ok().map(|place| extraction_svg(place, &lpm.robot_pose)),
-            _ => {
-                let visited = |(observation, (lpm, place)): (usize, (&Lpm, &'_ Described))| Visited {
-                    observation,
-                    robot: lpm.robot_pose,
-                    place: place.as_ref().map_err(ToString::to_string),
-                };
-                Some(visits_svg(&both().map(visited).collect::<Vec<_>>()))
-            }
+            _ => Some(visits_svg(&both().map(visited).collect::<Vec<_>>())),
         };
         if let (Some(file), Some(whole)) = (&self.svg, &whole) {
             write(file, whole)?;
@@ -184,6 +177,10 @@ impl Extract {
         open(&self.input)?.read_to_end(&mut bytes).map_err(|error| Failure::input(&self.input, error))?;
         image_grid(&bytes, self.resolution).map_err(|error| Failure::input(&self.input, error))
     }
+}
+
+fn visited<'a>((observation, (lpm, place)): (usize, (&'a Lpm, &'a Described))) -> Visited<'a> {
+    Visited { observation, robot: lpm.robot_pose, place: place.as_ref().map_err(ToString::to_string) }
 }
 
 /// An image in the greys of `map_server`, its first row at the top.

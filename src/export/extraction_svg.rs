@@ -154,7 +154,8 @@ fn gateways(place: &PlaceDescription, view: &View) -> Group {
         let label = view.at(&(gateway.center + unit * 52.0));
         let text = Text::new(format!("{}", i + 1)).set("x", label.0).set("y", label.1 + 6.0);
         let margin = Text::new(percent(gateway.margin)).set("x", label.0).set("y", label.1 + 28.0);
-        let margin = margin.set("text-anchor", "middle").set("font-size", 14).set("fill", doubt(gateway.margin));
+        let margin =
+            margin.set("text-anchor", "middle").set("font-size", 14).set("fill", doubt(gateway.margin));
         group = group
             .add(view.line(&gateway.ends[0], &gateway.ends[1]).set("stroke", color))
             .add(arrow(view, &gateway.center, &gateway.outward(), 34.0, color))

@@ -56,7 +56,7 @@ fn tile(visit: &Visited, left: f64, top: f64) -> Group {
             let at = format!("translate({left} {}) scale({SCALE})", top + LABEL - 8.0);
             group
                 .add(said(arrival(place), 100.0, FAINT))
-                .add(said(unsure, 330.0, color))
+                .add(said(unsure, 350.0, color))
                 .add(panel(place, &visit.robot).set("transform", at))
         }
         Err(why) => group.add(said(why.clone(), 100.0, DOUBTFUL)),

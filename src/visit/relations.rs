@@ -249,7 +249,8 @@ mod tests {
     fn a_malformed_relation_is_refused_by_line() {
         let read = Relation::read("# a comment\n\n1 2 0.5 -0.1 0 0 0 0.2\n").unwrap();
         assert_eq!(read, [Relation { stamps: [1.0, 2.0], displacement: Pose::new(0.5, -0.1, 0.2) }]);
-        for (text, fault) in [("1 2 3\n", "line 1: has 3 numbers"), ("\n1 2 x 0 0 0 0 0\n", "line 2: has `x`")]
+        for (text, fault) in
+            [("1 2 3\n", "line 1: has 3 numbers"), ("\n1 2 x 0 0 0 0 0\n", "line 2: has `x`")]
         {
             let error = Relation::read(text).unwrap_err().to_string();
             assert!(error.starts_with(fault), "{error}");
