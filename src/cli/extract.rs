@@ -8,7 +8,7 @@ use crate::export::{Extraction, Visited, extraction_svg, visits_svg};
 use crate::geometry::Pose;
 use crate::grid::{Cell, GridInfo, OccupancyGrid, SkeletonParameters};
 use crate::lpm::Lpm;
-use crate::star::{DescribeError, PerceptionParameters, PlaceDescription, describe};
+use crate::star::{DescribeError, PerceptionParameters, PlaceDescription, Rejected, describe, rejected};
 use crate::trace::wire_grid::WireLpm;
 use crate::trace::{EventKind, Percept};
 use clap::Args;
@@ -54,7 +54,8 @@ pub(super) struct Extract {
 /// A robot with a passage width below this goes through doors, metres.
 const WIDEST_DOOR: f64 = 1.0;
 
-type Described = Result<PlaceDescription, DescribeError>;
+/// A place with the openings that are no gateways.
+type Described = Result<(PlaceDescription, Vec<Rejected>), DescribeError>;
 
 /// The grids of an input up to its first fault.
 struct Grids {
@@ -70,12 +71,12 @@ impl Extract {
             fs::create_dir_all(folder).map_err(|error| Failure::writing(folder, error))?;
         }
         let parameters = self.parameters();
-        let places: Vec<_> = lpms.iter().map(|lpm| describe(lpm, &parameters)).collect();
+        let places: Vec<_> = lpms.iter().map(|lpm| read(lpm, &parameters)).collect();
         let mut refused = Vec::new();
         for (number, place) in places.iter().enumerate() {
             match place {
-                Ok(place) => {
-                    let json = serde_json::to_string(&Extraction::of(number, place));
+                Ok((place, rejected)) => {
+                    let json = serde_json::to_string(&Extraction::of(number, place, rejected));
                     writeln!(stdout(), "{}", json.map_err(|error| Failure::Broken(error.to_string()))?)?;
                 }
                 Err(error) => refused.push(format!("observation {number}: {error}")),
@@ -106,17 +107,16 @@ impl Extract {
         };
         let both = || lpms.iter().zip(places).enumerate();
         let whole = match (lpms, places) {
-            ([lpm], [place]) => place.as_ref().ok().map(|place| extraction_svg(place, &lpm.robot_pose)),
+            ([lpm], [seen]) => seen.as_ref().ok().map(|seen| picture(lpm, seen)),
             _ => Some(visits_svg(&both().map(visited).collect::<Vec<_>>())),
         };
         if let (Some(file), Some(whole)) = (&self.svg, &whole) {
             write(file, whole)?;
         }
         let Some(folder) = &self.output else { return Ok(()) };
-        for (number, (lpm, place)) in both() {
-            if let Ok(place) = place {
-                let name = format!("observation-{number:02}.svg");
-                write(&folder.join(name), &extraction_svg(place, &lpm.robot_pose))?;
+        for (number, (lpm, seen)) in both() {
+            if let Ok(seen) = seen {
+                write(&folder.join(format!("observation-{number:02}.svg")), &picture(lpm, seen))?;
             }
         }
         whole.map_or(Ok(()), |whole| write(&folder.join("visits.svg"), &whole))
@@ -179,8 +179,20 @@ impl Extract {
     }
 }
 
-fn visited<'a>((observation, (lpm, place)): (usize, (&'a Lpm, &'a Described))) -> Visited<'a> {
-    Visited { observation, robot: lpm.robot_pose, place: place.as_ref().map_err(ToString::to_string) }
+fn read(lpm: &Lpm, parameters: &PerceptionParameters) -> Described {
+    let place = describe(lpm, parameters)?;
+    let openings = rejected(lpm, &place, parameters);
+    Ok((place, openings))
+}
+
+fn picture(lpm: &Lpm, (place, rejected): &(PlaceDescription, Vec<Rejected>)) -> String {
+    extraction_svg(place, &lpm.robot_pose, rejected)
+}
+
+fn visited<'a>((observation, (lpm, seen)): (usize, (&'a Lpm, &'a Described))) -> Visited<'a> {
+    let rejected = seen.as_ref().map_or(&[][..], |(_, rejected)| rejected);
+    let place = seen.as_ref().map(|(place, _)| place).map_err(ToString::to_string);
+    Visited { observation, robot: lpm.robot_pose, rejected, place }
 }
 
 /// An image in the greys of `map_server`, its first row at the top.

@@ -6,7 +6,7 @@ use crate::explanation::standstill;
 use crate::export::{self, Preferred, Standstill, extraction_svg, map_text};
 use crate::lpm::Lpm;
 use crate::service::{Limits, Session};
-use crate::star::{PerceptionParameters, SmallScaleStar, describe};
+use crate::star::{PerceptionParameters, SmallScaleStar, describe, rejected};
 use crate::trace::perceive::perceive;
 use crate::trace::{Event, EventKind, Experience, Percept};
 use std::sync::Arc;
@@ -75,8 +75,9 @@ pub(super) fn pictures(stopped: &Stopped, events: &[Arc<Event>]) -> Vec<(String,
     }
     let picture = |observation: usize| {
         let lpm = lpms.get(observation)?.as_ref()?;
-        let place = describe(lpm, &PerceptionParameters::default()).ok()?;
-        let svg = extraction_svg(&place, &lpm.robot_pose);
+        let parameters = PerceptionParameters::default();
+        let place = describe(lpm, &parameters).ok()?;
+        let svg = extraction_svg(&place, &lpm.robot_pose, &rejected(lpm, &place, &parameters));
         Some((format!("observation-{observation:02}.svg"), svg.into_bytes()))
     };
     stopped.why.concerned().into_iter().filter_map(picture).collect()

@@ -4,7 +4,7 @@ use crate::export::sheet::{COLORS, DOUBTFUL, FAINT, INK, sheet};
 use crate::export::visits_svg::least;
 use crate::geometry::{Point, Pose, Vector, bearing, direction};
 use crate::grid::{Cell, OccupancyGrid};
-use crate::star::{ControlLaw, Direction, PlaceDescription, Slot};
+use crate::star::{ControlLaw, Direction, PlaceDescription, Rejected, Slot};
 use svg::node::element::{Circle, Group, Line, Path, Polyline, Rectangle, Text};
 
 /// Side of the map, user units.
@@ -14,10 +14,10 @@ const LISTING: f64 = 460.0;
 const PADDING: f64 = 20.0;
 const LINE_HEIGHT: f64 = 30.0;
 
-/// An SVG document of a described place and the robot's pose in it.
-pub fn extraction_svg(place: &PlaceDescription, robot: &Pose) -> String {
+/// An SVG document of a described place, the robot's pose in it, and the openings that are no gateways.
+pub fn extraction_svg(place: &PlaceDescription, robot: &Pose, rejected: &[Rejected]) -> String {
     let (width, height) = panel_size(place);
-    sheet(width, height).add(panel(place, robot)).to_string()
+    sheet(width, height).add(panel(place, robot, rejected)).to_string()
 }
 
 /// Width and height of the drawing of a place, user units.
@@ -27,12 +27,14 @@ pub(super) fn panel_size(place: &PlaceDescription) -> (f64, f64) {
 }
 
 /// The drawing of a place, its top left corner at the origin.
-pub(super) fn panel(place: &PlaceDescription, robot: &Pose) -> Group {
+pub(super) fn panel(place: &PlaceDescription, robot: &Pose, rejected: &[Rejected]) -> Group {
     let view = View::around(&place.grid);
-    Group::new()
+    let group = Group::new()
         .add(grid(&place.grid, &view))
         .add(skeleton(place, &view))
-        .add(fragments(place, &view))
+        .add(fragments(place, &view));
+    let group = if rejected.is_empty() { group } else { group.add(openings(rejected, &view)) };
+    group
         .add(gateways(place, &view))
         .add(robot_mark(robot, &view))
         .add(scale_bar(&view))
@@ -166,6 +168,19 @@ fn gateways(place: &PlaceDescription, view: &View) -> Group {
     group
 }
 
+/// What is too narrow to be a gateway, and by how much.
+fn openings(rejected: &[Rejected], view: &View) -> Group {
+    let mut group = Group::new().set("stroke-width", 3).set("stroke-dasharray", "2 4");
+    for one in rejected {
+        let (x, y) = view.at(&one.center);
+        let label = Text::new(format!("\u{2212}{}", percent(one.margin))).set("x", x).set("y", y - 8.0);
+        let label = label.set("text-anchor", "middle").set("font-size", 14).set("fill", doubt(one.margin));
+        let line = view.line(&one.ends[0], &one.ends[1]).set("stroke", doubt(one.margin));
+        group = group.add(line).add(label.set("stroke-width", 0));
+    }
+    group
+}
+
 /// An arrow from a point, `length` user units long.
 fn arrow(view: &View, from: &Point, along: &Vector, length: f64, color: &str) -> Group {
     let unit = along / view.scale;
@@ -280,11 +295,13 @@ mod tests {
         let robot_pose = Pose::new(0.0, -0.8, 1.6);
         let grid = tee.render(&window(12.0, 0.1, Point::origin(), 0.0), &Point::origin()).unwrap();
         let place = describe(&Lpm::new(grid, robot_pose), &PerceptionParameters::default()).unwrap();
-        let picture = extraction_svg(&place, &robot_pose);
-        for text in ["gw1 out &amp; gw3 in", "DeadEnd", "PF2\u{2212}", "2 m"] {
+        let ends = [Point::new(-0.3, 1.0), Point::new(0.3, 1.0)];
+        let narrow = [Rejected { center: Point::new(0.0, 1.0), ends, passage: 0.6, margin: 0.45 }];
+        let picture = extraction_svg(&place, &robot_pose, &narrow);
+        for text in ["gw1 out &amp; gw3 in", "DeadEnd", "PF2\u{2212}", "2 m", "\u{2212}45 %"] {
             assert!(picture.contains(text), "{text} is missing");
         }
         assert_eq!(picture.matches("Midline").count(), 3);
-        assert_eq!(picture, extraction_svg(&place, &robot_pose));
+        assert_eq!(picture, extraction_svg(&place, &robot_pose, &narrow));
     }
 }

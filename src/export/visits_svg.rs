@@ -3,7 +3,7 @@
 use crate::export::extraction_svg::{panel, panel_size};
 use crate::export::sheet::{DOUBTFUL, FAINT, INK, sheet};
 use crate::geometry::Pose;
-use crate::star::{PlaceDescription, Slot, SlotIndex};
+use crate::star::{PlaceDescription, Rejected, Slot, SlotIndex};
 use svg::node::element::{Group, Text};
 
 /// Panels side by side.
@@ -21,6 +21,8 @@ pub struct Visited<'a> {
     pub observation: usize,
     /// The robot's pose on arrival, in the frame of the place.
     pub robot: Pose,
+    /// The openings that are no gateways.
+    pub rejected: &'a [Rejected],
     /// The place as it was read, or why it could not be.
     pub place: Result<&'a PlaceDescription, String>,
 }
@@ -57,7 +59,7 @@ fn tile(visit: &Visited, left: f64, top: f64) -> Group {
             group
                 .add(said(arrival(place), 100.0, FAINT))
                 .add(said(unsure, 350.0, color))
-                .add(panel(place, &visit.robot).set("transform", at))
+                .add(panel(place, &visit.robot, visit.rejected).set("transform", at))
         }
         Err(why) => group.add(said(why.clone(), 100.0, DOUBTFUL)),
     }
@@ -100,7 +102,7 @@ mod tests {
         let visits: Vec<Visited> = (0..5)
             .map(|observation| {
                 let place = if observation == 3 { Err("no way out".to_owned()) } else { Ok(&place) };
-                Visited { observation, robot, place }
+                Visited { observation, robot, rejected: &[], place }
             })
             .collect();
         let picture = visits_svg(&visits);

@@ -106,6 +106,7 @@ impl Measure<'_> {
             ends: [to_frame(&left), to_frame(&right)],
             bearing: wrap_angle(bearing(&outward) + info.origin.theta),
             width: (left - right).norm() - info.resolution,
+            passage,
             margin: (passage / self.skeleton.passage_width - 1.0).min(self.room_margin(way)).max(0.0),
             beyond: self.beyond(way, *at),
         })

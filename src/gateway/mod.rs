@@ -23,6 +23,8 @@ pub struct Gateway {
     pub bearing: f64,
     /// Clear width at the constriction, metres.
     pub width: f64,
+    /// Clear width of the narrowest part of the way out, metres.
+    pub passage: f64,
     /// How far the gateway is from not being one: by how much the narrowest part of its way out is wider than the
     /// passage width, as a fraction of it.
     pub margin: f64,
