@@ -29,16 +29,10 @@ pub(super) fn panel_size(place: &PlaceDescription) -> (f64, f64) {
 /// The drawing of a place, its top left corner at the origin.
 pub(super) fn panel(place: &PlaceDescription, robot: &Pose, rejected: &[Rejected]) -> Group {
     let view = View::around(&place.grid);
-    let group = Group::new()
-        .add(grid(&place.grid, &view))
-        .add(skeleton(place, &view))
-        .add(fragments(place, &view));
+    let group =
+        Group::new().add(grid(&place.grid, &view)).add(skeleton(place, &view)).add(fragments(place, &view));
     let group = if rejected.is_empty() { group } else { group.add(openings(rejected, &view)) };
-    group
-        .add(gateways(place, &view))
-        .add(robot_mark(robot, &view))
-        .add(scale_bar(&view))
-        .add(listing(place))
+    group.add(gateways(place, &view)).add(robot_mark(robot, &view)).add(scale_bar(&view)).add(listing(place))
 }
 
 /// From metres of the LPM frame to user units, y downward.
