@@ -15,12 +15,16 @@ pub struct Lpm {
     pub robot_pose: Pose,
     /// Where the robot has driven around the place, in the frame of the LPM; empty where it is not known.
     pub trail: Vec<Point>,
+    /// The middle of the place, in the frame of the LPM, where the robot found it before: it stands at the edge of the
+    /// place on arrival, where another place may be nearer. The place is looked for around the robot where it is not
+    /// known.
+    pub middle: Option<Point>,
 }
 
 impl Lpm {
-    /// An LPM without a trail.
+    /// An LPM without a trail, of a robot that does not know the middle of the place.
     pub fn new(grid: OccupancyGrid, robot_pose: Pose) -> Self {
-        Lpm { grid, robot_pose, trail: Vec::new() }
+        Lpm { grid, robot_pose, trail: Vec::new(), middle: None }
     }
 
     /// The same LPM, its trail being the way on which the robot came to it where nothing more is known.

@@ -4,28 +4,29 @@ use crate::cli::failure::Failure;
 use crate::cli::input::{Events, open, plain_extension, read_events};
 use crate::cli::log::LogArgs;
 use crate::cli::{metres, pose};
-use crate::export::{Extraction, extraction_svg};
+use crate::export::{Extraction, Visited, extraction_svg, visits_svg};
 use crate::geometry::Pose;
 use crate::grid::{Cell, GridInfo, OccupancyGrid, SkeletonParameters};
 use crate::lpm::Lpm;
-use crate::star::{PerceptionParameters, describe};
+use crate::star::{DescribeError, PerceptionParameters, PlaceDescription, Rejected, describe, rejected};
 use crate::trace::wire_grid::WireLpm;
 use crate::trace::{EventKind, Percept};
 use clap::Args;
 use std::fs;
 use std::io::{Read, Write, stdout};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// Read gateways and star off one occupancy grid, or off every grid of a trace.
+/// Read gateways and star off one occupancy grid, or off every grid of a trace or visit in a log.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   topostar extract lpm.json --svg lpm.svg            one grid as in a trace's lpm field
   topostar extract map.pgm --at 12.5,3.0,1.57        a window of a map_server image around a pose
   topostar extract trace.ndjson -o pictures/         a picture of every place of a trace
+  topostar extract run.clf.bz2 --svg visits.svg      a sheet with every place that is found in a log
   topostar extract run.clf.bz2 --visits arrivals.csv -o pictures/")]
 pub(super) struct Extract {
-    /// A grid (.json, .png, .pgm, row 0 of an image at the top), a trace (.ndjson), or a log with --visits.
+    /// A grid (.json, .png, .pgm, row 0 of an image at the top), a trace (.ndjson), or a log.
     input: PathBuf,
     /// The robot's pose in the grid's frame: x,y,heading in metres and radians; default: the middle, heading 0.
     #[arg(long, value_name = "X,Y,THETA", value_parser = pose, allow_hyphen_values = true)]
@@ -42,16 +43,19 @@ pub(super) struct Extract {
     visits: Option<PathBuf>,
     #[command(flatten)]
     log: LogArgs,
-    /// Write a picture of a single grid there.
+    /// Write a picture of a single grid there, or one sheet with all of them in order.
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
-    /// Write a picture of each grid there, observation-NN.svg.
+    /// Write a picture of each grid there, observation-NN.svg, and a sheet with all of them, visits.svg.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
 }
 
 /// A robot with a passage width below this goes through doors, metres.
 const WIDEST_DOOR: f64 = 1.0;
+
+/// A place with the openings that are no gateways.
+type Described = Result<(PlaceDescription, Vec<Rejected>), DescribeError>;
 
 /// The grids of an input up to its first fault.
 struct Grids {
@@ -63,24 +67,22 @@ impl Extract {
     /// Prints one JSON object a grid; a grid that cannot be described gives an error only after the others.
     pub(super) fn run(self) -> Result<(), Failure> {
         let Grids { lpms, fault } = self.grids()?;
-        if self.svg.is_some() && lpms.len() != 1 {
-            let many = format!("--svg goes with one grid, {} are given; use -o DIR", lpms.len());
-            return Err(Failure::Usage(many));
-        }
         if let Some(folder) = &self.output {
             fs::create_dir_all(folder).map_err(|error| Failure::writing(folder, error))?;
         }
+        let parameters = self.parameters();
+        let places: Vec<_> = lpms.iter().map(|lpm| read(lpm, &parameters)).collect();
         let mut refused = Vec::new();
-        for (number, lpm) in lpms.iter().enumerate() {
-            match describe(lpm, &self.parameters()) {
-                Ok(place) => {
-                    let json = serde_json::to_string(&Extraction::of(number, &place));
+        for (number, place) in places.iter().enumerate() {
+            match place {
+                Ok((place, rejected)) => {
+                    let json = serde_json::to_string(&Extraction::of(number, place, rejected));
                     writeln!(stdout(), "{}", json.map_err(|error| Failure::Broken(error.to_string()))?)?;
-                    self.draw(number, &extraction_svg(&place, &lpm.robot_pose))?;
                 }
                 Err(error) => refused.push(format!("observation {number}: {error}")),
             }
         }
+        self.draw(&lpms, &places)?;
         if !refused.is_empty() {
             return Err(Failure::input(&self.input, refused.join("; ")));
         }
@@ -98,13 +100,26 @@ impl Extract {
         parameters
     }
 
-    fn draw(&self, number: usize, picture: &str) -> Result<(), Failure> {
-        let in_folder =
-            self.output.as_ref().map(|folder| folder.join(format!("observation-{number:02}.svg")));
-        for file in [&self.svg, &in_folder].into_iter().flatten() {
-            fs::write(file, picture).map_err(|error| Failure::writing(file, error))?;
+    /// A picture of each place in the folder; of all of them one sheet, or just the picture where there is one.
+    fn draw(&self, lpms: &[Lpm], places: &[Described]) -> Result<(), Failure> {
+        let write = |file: &Path, picture: &str| {
+            fs::write(file, picture).map_err(|error| Failure::writing(file, error))
+        };
+        let both = || lpms.iter().zip(places).enumerate();
+        let whole = match (lpms, places) {
+            ([lpm], [seen]) => seen.as_ref().ok().map(|seen| picture(lpm, seen)),
+            _ => Some(visits_svg(&both().map(visited).collect::<Vec<_>>())),
+        };
+        if let (Some(file), Some(whole)) = (&self.svg, &whole) {
+            write(file, whole)?;
         }
-        Ok(())
+        let Some(folder) = &self.output else { return Ok(()) };
+        for (number, (lpm, seen)) in both() {
+            if let Ok(seen) = seen {
+                write(&folder.join(format!("observation-{number:02}.svg")), &picture(lpm, seen))?;
+            }
+        }
+        whole.map_or(Ok(()), |whole| write(&folder.join("visits.svg"), &whole))
     }
 
     fn grids(&self) -> Result<Grids, Failure> {
@@ -162,6 +177,22 @@ impl Extract {
         open(&self.input)?.read_to_end(&mut bytes).map_err(|error| Failure::input(&self.input, error))?;
         image_grid(&bytes, self.resolution).map_err(|error| Failure::input(&self.input, error))
     }
+}
+
+fn read(lpm: &Lpm, parameters: &PerceptionParameters) -> Described {
+    let place = describe(lpm, parameters)?;
+    let openings = rejected(lpm, &place, parameters);
+    Ok((place, openings))
+}
+
+fn picture(lpm: &Lpm, (place, rejected): &(PlaceDescription, Vec<Rejected>)) -> String {
+    extraction_svg(place, &lpm.robot_pose, rejected)
+}
+
+fn visited<'a>((observation, (lpm, seen)): (usize, (&'a Lpm, &'a Described))) -> Visited<'a> {
+    let rejected = seen.as_ref().map_or(&[][..], |(_, rejected)| rejected);
+    let place = seen.as_ref().map(|(place, _)| place).map_err(ToString::to_string);
+    Visited { observation, robot: lpm.robot_pose, rejected, place }
 }
 
 /// An image in the greys of `map_server`, its first row at the top.

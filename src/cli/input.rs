@@ -6,6 +6,7 @@ use crate::sensor::log::LogError;
 use crate::sensor::{LaserScan, LocalPose, ScanMatcher};
 use crate::trace::recording::{Arrival, Recorder};
 use crate::trace::{Event, read_lines};
+use crate::visit::relations::{Relation, Track};
 use crate::visit::truth::Timetable;
 use crate::visit::{AnnotatedVisits, Stage, VisitDetector, VisitParameters};
 use bzip2::read::MultiBzDecoder;
@@ -25,6 +26,8 @@ pub(super) struct Events {
     pub(super) fault: Option<Failure>,
     /// When the visits of a log were; empty for a trace.
     pub(super) timetable: Timetable,
+    /// Where the robot was at the scans of a log.
+    pub(super) track: Track,
 }
 
 /// The events of a trace, or of the visits in a log: those that are found, or those at the arrivals given.
@@ -59,11 +62,13 @@ fn found_visits(input: &Path, mut log: LogScans) -> Result<Events, Failure> {
     let bad = |error: &dyn std::fmt::Display| Failure::input(input, error);
     let parameters = VisitParameters::default();
     let mut detector = VisitDetector::new(parameters).map_err(|error| bad(&error))?;
-    let mut stages = Vec::new();
-    let matcher = ScanMatcher::new(parameters.matching);
-    let fault = feed(&mut log, matcher, |scan, pose| stages.extend(detector.add_placed(scan, pose)));
+    let (mut stages, mut track) = (Vec::new(), Track::default());
+    let fault = feed(&mut log, ScanMatcher::new(parameters.matching), |scan, pose| {
+        stages.extend(detector.add_placed(scan, pose));
+        detector.now().into_iter().for_each(|now| track.add(scan, now));
+    });
     stages.extend(detector.finish());
-    Events::of(input, &log, stages, fault)
+    Ok(Events { track, ..Events::of(input, &log, stages, fault)? })
 }
 
 /// The events of a log up to its first fault; arrivals after that are left out.
@@ -72,16 +77,18 @@ fn visits_at(input: &Path, mut log: LogScans, visits: &Path) -> Result<Events, F
     let arrivals = read_arrivals(visits)?.into_iter().map(|arrival| arrival.scan).collect();
     let parameters = VisitParameters::default();
     let mut marked = AnnotatedVisits::new(arrivals, &parameters).map_err(|error| bad(&error))?;
-    let mut stages = Vec::new();
-    let matcher = ScanMatcher::new(parameters.matching);
-    let fault = feed(&mut log, matcher, |scan, pose| stages.extend(marked.add_placed(scan, pose)));
+    let (mut stages, mut track) = (Vec::new(), Track::default());
+    let fault = feed(&mut log, ScanMatcher::new(parameters.matching), |scan, pose| {
+        stages.extend(marked.add_placed(scan, pose));
+        marked.now().into_iter().for_each(|now| track.add(scan, now));
+    });
     let (last, beyond) = marked.finish();
     stages.extend(last);
     // A log that ended too early does not hold them all.
     if let Some(error) = beyond.filter(|_| fault.is_none()) {
         return Err(bad(&error));
     }
-    Events::of(input, &log, stages, fault)
+    Ok(Events { track, ..Events::of(input, &log, stages, fault)? })
 }
 
 /// Marked arrivals, from CSV.
@@ -89,6 +96,13 @@ pub(super) fn read_arrivals(file: &Path) -> Result<Vec<Arrival>, Failure> {
     let bad = |error: &dyn std::fmt::Display| Failure::input(file, error);
     let text = io::read_to_string(open(file)?).map_err(|error| bad(&error))?;
     Arrival::read_csv(&text).map_err(|error| bad(&error))
+}
+
+/// Checked relative poses.
+pub(super) fn read_relations(file: &Path) -> Result<Vec<Relation>, Failure> {
+    let bad = |error: &dyn std::fmt::Display| Failure::input(file, error);
+    let text = io::read_to_string(open(file)?).map_err(|error| bad(&error))?;
+    Relation::read(&text).map_err(|error| bad(&error))
 }
 
 /// So many scans are read ahead at most.

@@ -7,11 +7,16 @@ use crate::cli::classic::{self, is_of_views};
 use crate::cli::failure::Failure;
 use crate::cli::input::{Events, read_arrivals, read_events};
 use crate::cli::log::{LogArgs, is_log};
+use crate::cli::poses::{pose_errors, poses_in_words};
+use crate::cli::standstill::{Stopped, before_in_words, pictures, stopped};
 use crate::cli::words::{certainty, in_words, reasons_in_words, truth_in_words};
-use crate::export::{self, Explanation, MapGraph, Mark, Truth, map_svg, map_text};
+use crate::export::{
+    self, Explanation, MapGraph, Mark, PoseErrors, Truth, map_svg, map_text, standstill_text,
+};
 use crate::service::{Limits, MapConfig, Session, SessionError};
 use crate::trace::recording::Arrival;
 use crate::trace::{Event, EventKind, write_event};
+use crate::visit::relations::Track;
 use crate::visit::truth::Timetable;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -44,6 +49,9 @@ pub(super) struct Map {
     /// Compare the map of a log with the true arrivals: CSV as for --visits.
     #[arg(long, value_name = "CSV")]
     truth: Option<PathBuf>,
+    /// Compare the poses of a log with checked relative poses: lines of t1 t2 x y z roll pitch yaw.
+    #[arg(long, value_name = "FILE")]
+    relations: Option<PathBuf>,
     #[command(flatten)]
     held: AxiomChoice,
     #[command(flatten)]
@@ -101,21 +109,28 @@ impl Map {
             Theory::Views => return classic::run(&self, input),
             Theory::Stars(axioms, strategy) => (axioms, strategy),
         };
-        let timetable = std::mem::take(&mut input.timetable);
+        let (timetable, track) = (std::mem::take(&mut input.timetable), std::mem::take(&mut input.track));
         let Explained { events, session, fault } = self.search(input, axioms, strategy)?;
         let report = session.abduction().report();
         let mut wire = export::Report::new(&report);
         wire.explain = self.reasons(session.abduction())?.map(Box::new);
         wire.truth = self.compared(&timetable, &session, wire.preferred.as_ref())?.map(Box::new);
+        wire.poses = self.pose_errors(&track)?.map(Box::new);
+        let stopped = stopped(&session, &events, limits())?;
+        wire.standstill = stopped.as_ref().map(|stopped| Box::new(stopped.why.clone()));
         wire.seconds = Some(started.elapsed().as_secs_f64());
         if self.json {
             writeln!(stdout(), "{}", json(&wire)?)?;
         } else {
             write!(stdout(), "{}", in_words(&report, &wire))?;
             write!(stdout(), "{}{}", reasons_in_words(&wire), truth_in_words(&wire))?;
+            write!(stdout(), "{}", wire.poses.as_deref().map(poses_in_words).unwrap_or_default())?;
+            if let Some(Stopped { why, before }) = &stopped {
+                write!(stdout(), "{}\n{}", standstill_text(why), before_in_words(before))?;
+            }
         }
         if let Some(folder) = &self.output {
-            write_files(folder, &events, &report, &wire)?;
+            write_files(folder, &events, &report, &wire, stopped.as_ref())?;
         }
         fault.map_or_else(|| verdict(&report), Err)
     }
@@ -168,22 +183,24 @@ impl Map {
         Ok(Some(Truth::of(marks, &at, session.abduction().visits(), places)))
     }
 
+    /// How far the poses are off, if relations are given.
+    fn pose_errors(&self, track: &Track) -> Result<Option<PoseErrors>, Failure> {
+        let Some(file) = &self.relations else { return Ok(None) };
+        if !is_log(&self.input) {
+            return Err(self.misfit("is no log, and --relations is about the poses in a log"));
+        }
+        pose_errors(track, file).map(Some)
+    }
+
     fn misfit(&self, what: &str) -> Failure {
         Failure::Usage(format!("{}: {what}", self.input.display()))
     }
 
     fn search(&self, input: Events, axioms: AxiomSet, strategy: Strategy) -> Result<Explained, Failure> {
         let max_candidates = usize::try_from(self.max_candidates).unwrap_or(usize::MAX);
-        // What one process reads for one user is bounded by the input itself.
-        let limits = Limits {
-            events_per_map: usize::MAX,
-            cells_per_map: usize::MAX,
-            steps_per_map: u64::MAX,
-            ..Limits::default()
-        };
         let (max_memory, max_steps) = (self.max_memory, self.max_steps);
         let config = MapConfig { axioms, strategy, max_candidates, max_memory, max_steps };
-        let mut session = Session::new(config, limits);
+        let mut session = Session::new(config, limits());
         let bar = progress(input.events.len());
         let (mut events, mut fault) = (Vec::new(), input.fault);
         for (place, event) in input.events {
@@ -222,6 +239,16 @@ impl Map {
         let last = abduction.observations().saturating_sub(1);
         let unknown = format!("--explain: expected two different observations of 0 to {last}");
         explanation.map(Some).ok_or(Failure::Usage(unknown))
+    }
+}
+
+/// What one process reads for one user is bounded by the input itself.
+fn limits() -> Limits {
+    Limits {
+        events_per_map: usize::MAX,
+        cells_per_map: usize::MAX,
+        steps_per_map: u64::MAX,
+        ..Limits::default()
     }
 }
 
@@ -264,15 +291,27 @@ fn write_files(
     events: &[Arc<Event>],
     report: &Report,
     wire: &export::Report,
+    stopped: Option<&Stopped>,
 ) -> Result<(), Failure> {
     let mut trace = Vec::new();
     events.iter().try_for_each(|event| write_event(&mut trace, event))?;
-    let mut files = vec![("trace.ndjson", trace), ("report.json", json(wire)?.into_bytes())];
+    let mut files =
+        vec![("trace.ndjson".to_owned(), trace), ("report.json".to_owned(), json(wire)?.into_bytes())];
+    if let Some(stopped) = stopped
+        && let Some(candidate) = stopped.before.minimal.first()
+    {
+        let map = MapGraph::of(candidate);
+        let title = format!("Map before observation {}", stopped.why.observation);
+        let words = format!("{}\n{}", standstill_text(&stopped.why), map_text(&map));
+        files.push(("map.txt".into(), words.into_bytes()));
+        files.push(("map.svg".into(), map_svg(&map, &title, "nothing explains what came then").into_bytes()));
+        files.extend(pictures(stopped, events));
+    }
     if let (Some(candidate), Some(preferred)) = (report.minimal.first(), &wire.preferred) {
         let map = MapGraph::of(candidate);
         let certainty = certainty(&wire.candidates, preferred, wire.minimal.len());
-        files.push(("map.txt", map_text(&map).into_bytes()));
-        files.push(("map.svg", map_svg(&map, "Preferred map", &certainty).into_bytes()));
+        files.push(("map.txt".into(), map_text(&map).into_bytes()));
+        files.push(("map.svg".into(), map_svg(&map, "Preferred map", &certainty).into_bytes()));
     }
     written(folder, files)
 }
@@ -280,7 +319,7 @@ fn write_files(
 /// Writes files into a folder and says so.
 pub(super) fn written(
     folder: &Path,
-    files: impl IntoIterator<Item = (&'static str, Vec<u8>)>,
+    files: impl IntoIterator<Item = (impl AsRef<Path>, Vec<u8>)>,
 ) -> Result<(), Failure> {
     fs::create_dir_all(folder).map_err(|error| Failure::writing(folder, error))?;
     for (name, content) in files {

@@ -1,7 +1,7 @@
 //! What was read off one grid, as JSON.
 
 use crate::geometry::Point;
-use crate::star::PlaceDescription;
+use crate::star::{PlaceDescription, Rejected};
 use crate::trace::wire_star::WireStar;
 use serde::Serialize;
 
@@ -18,6 +18,8 @@ pub struct Extraction {
     pub facing: u8,
     /// The gateways, numbered as in the star.
     pub gateways: Vec<ExtractedGateway>,
+    /// Openings that the robot fits through and that are too narrow to be gateways.
+    pub rejected: Vec<RejectedOpening>,
     /// The middle of the place.
     pub center: [f64; 2],
     /// Distance from the middle to the nearest obstacle.
@@ -41,9 +43,28 @@ pub struct ExtractedGateway {
     pub margin: f64,
 }
 
+/// An opening that is no gateway.
+#[derive(Clone, Debug, Serialize)]
+pub struct RejectedOpening {
+    /// Its middle.
+    pub center: [f64; 2],
+    /// The obstacles at its ends.
+    pub ends: [[f64; 2]; 2],
+    /// Clear width of the narrowest part of the way through it.
+    pub passage: f64,
+    /// How far it is from being a gateway, as a fraction of the passage width.
+    pub margin: f64,
+}
+
 impl Extraction {
     /// The JSON form of a described place.
-    pub fn of(observation: usize, place: &PlaceDescription) -> Extraction {
+    pub fn of(observation: usize, place: &PlaceDescription, rejected: &[Rejected]) -> Extraction {
+        let opening = |one: &Rejected| RejectedOpening {
+            center: pair(&one.center),
+            ends: one.ends.map(|end| pair(&end)),
+            passage: one.passage,
+            margin: one.margin,
+        };
         let gateway = |(index, gateway): (usize, &crate::gateway::Gateway)| ExtractedGateway {
             id: index + 1,
             center: pair(&gateway.center),
@@ -58,6 +79,7 @@ impl Extraction {
             arrival: place.arrival.map(|slot| slot.0),
             facing: place.facing.0,
             gateways: place.gateways.iter().enumerate().map(gateway).collect(),
+            rejected: rejected.iter().map(opening).collect(),
             center: pair(&place.center),
             clearance: place.clearance,
         }

@@ -1,9 +1,10 @@
 //! A drawing of one extraction: grid, skeleton, gateways, path fragments, and the star listed beside them.
 
-use crate::export::sheet::{COLORS, FAINT, INK, sheet};
+use crate::export::sheet::{COLORS, DOUBTFUL, FAINT, INK, sheet};
+use crate::export::visits_svg::least;
 use crate::geometry::{Point, Pose, Vector, bearing, direction};
 use crate::grid::{Cell, OccupancyGrid};
-use crate::star::{ControlLaw, Direction, PlaceDescription, Slot};
+use crate::star::{ControlLaw, Direction, PlaceDescription, Rejected, Slot};
 use svg::node::element::{Circle, Group, Line, Path, Polyline, Rectangle, Text};
 
 /// Side of the map, user units.
@@ -12,22 +13,26 @@ const MAP: f64 = 640.0;
 const LISTING: f64 = 460.0;
 const PADDING: f64 = 20.0;
 const LINE_HEIGHT: f64 = 30.0;
-const DOUBTFUL: &str = "#b91c1c";
 
-/// An SVG document of a described place and the robot's pose in it.
-pub fn extraction_svg(place: &PlaceDescription, robot: &Pose) -> String {
-    let view = View::around(&place.grid);
+/// An SVG document of a described place, the robot's pose in it, and the openings that are no gateways.
+pub fn extraction_svg(place: &PlaceDescription, robot: &Pose, rejected: &[Rejected]) -> String {
+    let (width, height) = panel_size(place);
+    sheet(width, height).add(panel(place, robot, rejected)).to_string()
+}
+
+/// Width and height of the drawing of a place, user units.
+pub(super) fn panel_size(place: &PlaceDescription) -> (f64, f64) {
     let height = (MAP + 2.0 * PADDING).max(place.star.slots().len() as f64 * LINE_HEIGHT + 130.0);
-    let width = MAP + LISTING + 3.0 * PADDING;
-    let document = sheet(width, height)
-        .add(grid(&place.grid, &view))
-        .add(skeleton(place, &view))
-        .add(fragments(place, &view))
-        .add(gateways(place, &view))
-        .add(robot_mark(robot, &view))
-        .add(scale_bar(&view))
-        .add(listing(place));
-    document.to_string()
+    (MAP + LISTING + 3.0 * PADDING, height)
+}
+
+/// The drawing of a place, its top left corner at the origin.
+pub(super) fn panel(place: &PlaceDescription, robot: &Pose, rejected: &[Rejected]) -> Group {
+    let view = View::around(&place.grid);
+    let group =
+        Group::new().add(grid(&place.grid, &view)).add(skeleton(place, &view)).add(fragments(place, &view));
+    let group = if rejected.is_empty() { group } else { group.add(openings(rejected, &view)) };
+    group.add(gateways(place, &view)).add(robot_mark(robot, &view)).add(scale_bar(&view)).add(listing(place))
 }
 
 /// From metres of the LPM frame to user units, y downward.
@@ -144,11 +149,28 @@ fn gateways(place: &PlaceDescription, view: &View) -> Group {
         let unit = gateway.outward() / view.scale;
         let label = view.at(&(gateway.center + unit * 52.0));
         let text = Text::new(format!("{}", i + 1)).set("x", label.0).set("y", label.1 + 6.0);
+        let margin = Text::new(percent(gateway.margin)).set("x", label.0).set("y", label.1 + 28.0);
+        let margin =
+            margin.set("text-anchor", "middle").set("font-size", 14).set("fill", doubt(gateway.margin));
         group = group
             .add(view.line(&gateway.ends[0], &gateway.ends[1]).set("stroke", color))
             .add(arrow(view, &gateway.center, &gateway.outward(), 34.0, color))
             .add(Circle::new().set("cx", label.0).set("cy", label.1).set("r", 12).set("fill", color))
-            .add(text.set("text-anchor", "middle").set("font-size", 16).set("fill", "white"));
+            .add(text.set("text-anchor", "middle").set("font-size", 16).set("fill", "white"))
+            .add(margin.set("stroke-width", 0));
+    }
+    group
+}
+
+/// What is too narrow to be a gateway, and by how much.
+fn openings(rejected: &[Rejected], view: &View) -> Group {
+    let mut group = Group::new().set("stroke-width", 3).set("stroke-dasharray", "2 4");
+    for one in rejected {
+        let (x, y) = view.at(&one.center);
+        let label = Text::new(format!("\u{2212}{}", percent(one.margin))).set("x", x).set("y", y - 8.0);
+        let label = label.set("text-anchor", "middle").set("font-size", 14).set("fill", doubt(one.margin));
+        let line = view.line(&one.ends[0], &one.ends[1]).set("stroke", doubt(one.margin));
+        group = group.add(line).add(label.set("stroke-width", 0));
     }
     group
 }
@@ -192,7 +214,10 @@ fn listing(place: &PlaceDescription) -> Group {
         .set("font-size", 16)
         .add(title.set("x", left).set("y", PADDING + 26.0))
         .add(subtitle.set("x", left).set("y", PADDING + 48.0));
+    let (unsure, _) = least(place);
     for (row, slot) in place.star.slots().iter().enumerate() {
+        let weight = if row == usize::from(unsure.0) { "bold" } else { "normal" };
+        let tint = slot.margin.map_or(FAINT, doubt);
         let y = PADDING + 88.0 + row as f64 * LINE_HEIGHT;
         let color = color(slot.fragment.0 as usize - 1);
         let cell = |text: String, x: f64| Text::new(text).set("x", left + x).set("y", y);
@@ -208,7 +233,12 @@ fn listing(place: &PlaceDescription) -> Group {
             .add(cell(fragment_name(slot), 16.0).set("font-weight", "bold"))
             .add(cell(gateway_names(slot), 80.0))
             .add(cell(format!("{:?}", slot.control), 252.0).set("font-style", style(slot.control)))
-            .add(cell(margin(slot), LISTING - 74.0).set("text-anchor", "end").set("fill", doubt(slot)))
+            .add(
+                cell(slot.margin.map_or_else(String::new, percent), LISTING - 74.0)
+                    .set("text-anchor", "end")
+                    .set("font-weight", weight)
+                    .set("fill", tint),
+            )
             .add(cell(degrees(slot), LISTING - 16.0).set("text-anchor", "end").set("fill", FAINT));
     }
     group
@@ -232,13 +262,13 @@ fn gateway_names(slot: &Slot) -> String {
     names.into_iter().flatten().collect::<Vec<_>>().join(" & ")
 }
 
-fn margin(slot: &Slot) -> String {
-    slot.margin.map_or_else(String::new, |margin| format!("{:.0} %", 100.0 * margin))
+fn percent(margin: f64) -> String {
+    format!("{:.0} %", 100.0 * margin)
 }
 
 /// What is within a tenth of being decided otherwise stands out.
-fn doubt(slot: &Slot) -> &'static str {
-    if slot.margin.is_some_and(|margin| margin < 0.1) { DOUBTFUL } else { FAINT }
+fn doubt(margin: f64) -> &'static str {
+    if margin < 0.1 { DOUBTFUL } else { FAINT }
 }
 
 fn degrees(slot: &Slot) -> String {
@@ -259,11 +289,13 @@ mod tests {
         let robot_pose = Pose::new(0.0, -0.8, 1.6);
         let grid = tee.render(&window(12.0, 0.1, Point::origin(), 0.0), &Point::origin()).unwrap();
         let place = describe(&Lpm::new(grid, robot_pose), &PerceptionParameters::default()).unwrap();
-        let picture = extraction_svg(&place, &robot_pose);
-        for text in ["gw1 out &amp; gw3 in", "DeadEnd", "PF2\u{2212}", "2 m"] {
+        let ends = [Point::new(-0.3, 1.0), Point::new(0.3, 1.0)];
+        let narrow = [Rejected { center: Point::new(0.0, 1.0), ends, passage: 0.6, margin: 0.45 }];
+        let picture = extraction_svg(&place, &robot_pose, &narrow);
+        for text in ["gw1 out &amp; gw3 in", "DeadEnd", "PF2\u{2212}", "2 m", "\u{2212}45 %"] {
             assert!(picture.contains(text), "{text} is missing");
         }
         assert_eq!(picture.matches("Midline").count(), 3);
-        assert_eq!(picture, extraction_svg(&place, &robot_pose));
+        assert_eq!(picture, extraction_svg(&place, &robot_pose, &narrow));
     }
 }

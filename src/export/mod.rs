@@ -11,15 +11,18 @@ mod explanation_text;
 pub mod answer_set;
 mod graph;
 mod outlook;
+mod pose_errors;
 mod refutation;
 mod report;
 mod sheet;
+mod standstill;
 mod extraction;
 mod extraction_svg;
 mod layout;
 mod map_svg;
 mod map_text;
 mod truth;
+mod visits_svg;
 mod view_report;
 mod view_text;
 
@@ -37,10 +40,13 @@ pub use layout::Layout;
 pub use map_svg::map_svg;
 pub use map_text::{map_text, place_type};
 pub use outlook::{Outlook, PredictedSlot, Prediction, Prospect};
+pub use pose_errors::{PoseError, PoseErrorRow, PoseErrors};
 pub use refutation::{Alternative, EndedBranch, Refutation};
 pub use report::{
     Assertion, Bound, Count, Extinction, Preferred, Relation, Report, StopReason, Strategy, profile_name,
 };
+pub use standstill::{Dissenting, Doubt, Standstill, standstill_text};
 pub use truth::{Mark, Repeated, Truth};
 pub use view_report::{PreferredViews, ViewReport, ViewStopReason, ViewStrategy};
 pub use view_text::view_text;
+pub use visits_svg::{Visited, visits_svg};

@@ -1,7 +1,7 @@
 //! The report of an abduction: the one stable object of `map --json`.
 
 use crate::abduction::{self, AxiomSet, Candidate, OPERATOR, Profile};
-use crate::export::{Explanation, Truth};
+use crate::export::{Explanation, PoseErrors, Standstill, Truth};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use utoipa::ToSchema;
@@ -53,6 +53,13 @@ pub struct Report {
     /// How the map of a log compares with marked arrivals; the command line fills it in where `--truth` asks for it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub truth: Option<Box<Truth>>,
+    /// How far the poses of a log are off; the command line fills it in where `--relations` asks for it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub poses: Option<Box<PoseErrors>>,
+    /// Why no map explains the whole trace, and the map of what was before; the command line fills it in where the
+    /// last candidate was refuted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub standstill: Option<Box<Standstill>>,
     /// Wall time of the search; the command line fills it in.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,
@@ -214,6 +221,8 @@ impl Report {
             asserts: found.word.assertions().iter().map(Assertion::of).collect(),
             explain: None,
             truth: None,
+            poses: None,
+            standstill: None,
             seconds: None,
         }
     }

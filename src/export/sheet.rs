@@ -11,6 +11,9 @@ pub(super) const INK: &str = "#1f2933";
 /// For what explains.
 pub(super) const FAINT: &str = "#7b8794";
 
+/// For what is nearly decided otherwise.
+pub(super) const DOUBTFUL: &str = "#b91c1c";
+
 /// A white sheet of a size in user units.
 pub(super) fn sheet(width: f64, height: f64) -> Document {
     Document::new()

@@ -106,6 +106,7 @@ impl Measure<'_> {
             ends: [to_frame(&left), to_frame(&right)],
             bearing: wrap_angle(bearing(&outward) + info.origin.theta),
             width: (left - right).norm() - info.resolution,
+            passage,
             margin: (passage / self.skeleton.passage_width - 1.0).min(self.room_margin(way)).max(0.0),
             beyond: self.beyond(way, *at),
         })
@@ -182,7 +183,8 @@ impl Measure<'_> {
         indices.dedup();
         let sample = |i: usize| {
             let along = self.outward(way, i).unwrap_or_else(Vector::zeros);
-            let sides = self.distance.sides(way.cells[i], &along, 2.0 * info.resolution, ABREAST);
+            let slack = (comfort_distance - way.clearance[i]).max(2.0 * info.resolution);
+            let sides = self.distance.sides(way.cells[i], &along, slack, ABREAST);
             let close = way.clearance[i] <= comfort_distance + info.resolution;
             Beyond {
                 at: info.origin.transform_point(&way.points[i]),

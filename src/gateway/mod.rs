@@ -23,6 +23,8 @@ pub struct Gateway {
     pub bearing: f64,
     /// Clear width at the constriction, metres.
     pub width: f64,
+    /// Clear width of the narrowest part of the way out, metres.
+    pub passage: f64,
     /// How far the gateway is from not being one: by how much the narrowest part of its way out is wider than the
     /// passage width, as a fraction of it.
     pub margin: f64,
@@ -35,9 +37,9 @@ pub struct Gateway {
 pub struct Beyond {
     /// The point, LPM frame.
     pub at: Point,
-    /// Whether a wall on the left is as near as the nearest obstacle, within the comfort distance.
+    /// Whether there is a wall on the left within the comfort distance.
     pub left: bool,
-    /// Whether a wall on the right is as near as the nearest obstacle, within the comfort distance.
+    /// Whether there is a wall on the right within the comfort distance.
     pub right: bool,
     /// Distance to the nearest obstacle, metres.
     pub clearance: f64,

@@ -131,8 +131,8 @@ impl PlaceDescription {
 const SETTLED: f64 = 0.25;
 const ROUNDS: usize = 3;
 
-/// The skeleton and the gateways in the window around the middle of the place, which is first looked for around the
-/// robot: a robot at the edge of a place does not see the same window as one in its middle, but the same place.
+/// The skeleton and the gateways in the window around the middle of the place, which is first looked for where it was
+/// before, else around the robot: a robot at the edge of a place does not see the same window as one in its middle, but the same place.
 fn settle(
     lpm: &Lpm,
     grid: &OccupancyGrid,
@@ -147,7 +147,7 @@ fn settle(
         let place = find_gateways(&mut graph, distance, &middle, &parameters.skeleton, &parameters.gateway);
         place.map(|place| (graph, place)).ok_or(DescribeError::NoGateway)
     };
-    let mut middle = robot;
+    let mut middle = lpm.middle.unwrap_or(robot);
     let mut seen = look(middle)?;
     for _ in 1..ROUNDS {
         if (seen.1.center - middle).norm() <= SETTLED {

@@ -112,6 +112,7 @@ mod tests {
             ends: [center + left, center - left],
             bearing,
             width: 2.0,
+            passage: 2.0,
             margin: 1.0,
             beyond: Vec::new(),
         }

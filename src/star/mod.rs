@@ -11,10 +11,12 @@ mod projection;
 mod control;
 mod assembly;
 mod description;
+mod rejected;
 
 pub use description::{DescribeError, FragmentTrace, PerceptionParameters, PlaceDescription, describe};
 pub use fragments::FragmentParameters;
 pub use large_scale::{LargeScaleStar, LargeSlot, StarDifference};
+pub use rejected::{Rejected, rejected};
 pub use small_scale::{
     ControlLaw, Direction, FragmentId, GatewayId, MAX_SLOTS, Slot, SlotIndex, SmallScaleStar, StarError,
 };

@@ -35,6 +35,10 @@ pub struct WireLpm {
     /// metres: there is a way, however narrow.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub trail: Vec<[f64; 2]>,
+    /// The middle of the place in the frame of the grid, metres, where the robot found it before; else the place is
+    /// looked for around the robot.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub middle: Option<[f64; 2]>,
 }
 
 /// `nav_msgs/MapMetaData` without its load time.
@@ -114,7 +118,8 @@ impl WireLpm {
     /// The grid with the robot's pose in it.
     pub fn lpm(self, robot_pose: Pose) -> Result<Lpm, EventError> {
         let trail = self.trail.iter().map(|&[x, y]| Point::new(x, y)).collect();
-        Ok(Lpm { grid: self.grid("/lpm")?, robot_pose, trail })
+        let middle = self.middle.map(|[x, y]| Point::new(x, y));
+        Ok(Lpm { grid: self.grid("/lpm")?, robot_pose, trail, middle })
     }
 
     /// The grid; errors point below `at`.
@@ -147,7 +152,7 @@ impl WireLpm {
     }
 
     /// The JSON form of an LPM without its robot pose, cells as base64 bytes.
-    pub fn from_lpm(Lpm { grid, trail, .. }: &Lpm) -> WireLpm {
+    pub fn from_lpm(Lpm { grid, trail, middle, .. }: &Lpm) -> WireLpm {
         let bytes: Vec<u8> = grid.to_occupancy().iter().map(|&v| v as u8).collect();
         let info = grid.info();
         WireLpm {
@@ -162,6 +167,7 @@ impl WireLpm {
             data_b64: Some(STANDARD.encode(bytes)),
             png_b64: None,
             trail: trail.iter().map(|point| [point.x, point.y]).collect(),
+            middle: middle.map(|point| [point.x, point.y]),
         }
     }
 }

@@ -107,6 +107,11 @@ impl AnnotatedVisits {
         before
     }
 
+    /// Where the robot was at the scan taken last.
+    pub fn now(&self) -> Option<&Moment> {
+        self.follower.moments().last()
+    }
+
     /// The visit to the last mark passed, and what is wrong with the next one, if there is one.
     pub fn finish(mut self) -> (Option<Stage>, Option<ArrivalsError>) {
         let (arrival, scans) = (self.passed, self.scans);

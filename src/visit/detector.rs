@@ -102,6 +102,11 @@ impl VisitDetector {
         certain
     }
 
+    /// Where the robot was at the scan taken last.
+    pub fn now(&self) -> Option<&Moment> {
+        self.follower.moments().last()
+    }
+
     /// The visits that were still open when the log ended.
     pub fn finish(mut self) -> Vec<Stage> {
         self.over = true;

@@ -93,7 +93,7 @@ impl Follower {
     pub(super) fn lpm(&self, middle: &Point, robot: &Pose) -> Option<Lpm> {
         let grid = self.evidence.around(middle, self.side).ok()?;
         let robot_pose = Pose { x: robot.x - middle.x, y: robot.y - middle.y, ..*robot };
-        Some(Lpm { grid, robot_pose, trail: self.trail(middle) })
+        Some(Lpm { grid, robot_pose, trail: self.trail(middle), middle: Some(Point::origin()) })
     }
 
     /// Where the robot has been within the LPM around a point, in the LPM's frame.

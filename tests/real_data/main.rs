@@ -11,14 +11,16 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use topostar::abduction::{Abduction, AxiomSet, Limits, Profile, Visit, judge};
 use topostar::export::Report;
+use topostar::geometry::Point;
 use topostar::lpm::Lpm;
 use topostar::metric::Measurements;
 use topostar::sensor::LaserScan;
 use topostar::service::{self, Maps, MemoryStore, app};
-use topostar::star::{LargeScaleStar, PerceptionParameters};
+use topostar::star::{LargeScaleStar, PerceptionParameters, describe};
 use topostar::trace::perceive::perceive;
 use topostar::trace::recording::{Arrival, Recorder};
 use topostar::trace::{Event, EventKind, Experience, Percept, Sighting, read_trace, write_trace};
+use topostar::visit::relations::{Reach, Relation, Track};
 use topostar::visit::truth::Timetable;
 use topostar::visit::{AnnotatedVisits, Stage, VisitDetector, VisitParameters};
 
@@ -129,6 +131,57 @@ fn the_aces_log_alone_gives_the_true_map() {
     let map = &simplest.map;
     let size = [map.place_count(), map.path_count(), map.segment_count(), map.dstate_count()];
     assert_eq!(size, [9, 6, 12, 36]);
+}
+
+/// Cluttered buildings, in which nobody has marked the places: the frame of scan matching drifts by less than two places
+/// are apart, so that visits near to each other in it are to one place.
+#[test]
+fn places_of_cluttered_buildings_are_found_again() {
+    for (name, least, revisited, alike) in [("mit-csail", 28, 6, 3), ("fr079", 20, 4, 2)] {
+        let stages = found_visits(&logs::scans(name));
+        let mut places: Vec<(Point, Vec<LargeScaleStar>)> = Vec::new();
+        for Stage { visit, .. } in &stages {
+            let star = describe(&visit.lpm, &PerceptionParameters::default()).unwrap().star.large_scale();
+            match places.iter_mut().find(|(center, _)| (*center - visit.center).norm() < 2.5) {
+                Some((_, stars)) => stars.push(star),
+                None => places.push((visit.center, vec![star])),
+            }
+        }
+        let again: Vec<_> = places.iter().filter(|(_, stars)| stars.len() > 1).collect();
+        let equal = |stars: &[LargeScaleStar]| stars.iter().all(|star| !stars[0].alignments(star).is_empty());
+        let same = again.iter().filter(|(_, stars)| equal(stars)).count();
+        println!(
+            "{name}: {} visits, {} places, {} seen again, {same} alike",
+            stages.len(),
+            places.len(),
+            again.len()
+        );
+        assert!(stages.len() >= least && again.len() >= revisited && same >= alike, "{name}");
+    }
+}
+
+/// Scan matching keeps what odometry loses, as far as it remembers.
+#[test]
+fn local_poses_are_nearer_to_checked_relations_than_odometry() {
+    for (name, most) in [("aces", 0.05), ("fr079", 0.05)] {
+        let scans = logs::scans(name);
+        let parameters = VisitParameters::default();
+        let (mut detector, mut track) = (VisitDetector::new(parameters).unwrap(), Track::default());
+        for scan in &scans {
+            detector.add(scan);
+            track.add(scan, detector.now().unwrap());
+        }
+        let text = fs::read_to_string(data(&format!("logs/{name}.relations"))).unwrap();
+        let found = track.compare(&Relation::read(&text).unwrap(), parameters.matching.memory);
+        assert_eq!(found.unknown, 0, "{name}");
+        for (reach, row) in &found.rows {
+            println!("{name} {reach:?} {row:?}");
+            let [odometry, matched] = [row.odometry, row.matched].map(|[metres, _]| metres.mean);
+            assert!(*reach == Reach::Within || matched < odometry / 2.0, "{name} {reach:?}");
+            assert!(*reach != Reach::Within || matched < most, "{name} {reach:?}");
+            assert!(row.matched[1].mean < row.odometry[1].mean, "{name} {reach:?}");
+        }
+    }
 }
 
 /// The route as it was listed by hand, with the travels and poses of the visits found in the log.

@@ -181,13 +181,14 @@ fn a_turn_that_faces_no_gateway_is_refused_at_its_line() {
 
 #[test]
 fn options_that_make_no_sense_are_usage() {
-    let wrong: [&[&str]; 11] = [
+    let wrong: [&[&str]; 12] = [
         &["world", "no-such-world"],
         &["world", "office", "--resolution", "0"],
         &["world", "office", "--resolution", "0.0001"],
         &["extract", "lpm.json", "--passage-width", "nan"],
         &["extract", "worlds/aces-stars.ndjson", "--at", "0,0,0"],
         &["map", "worlds/aces-stars.ndjson", "--max-candidates", "0"],
+        &["map", "worlds/aces-stars.ndjson", "--relations", "aces.relations"],
         &["map", "worlds/aces-stars.ndjson", "--assert", "0-8"],
         &["map", "worlds/aces-stars.ndjson", "--assert", "0=15"],
         &["map", "worlds/aces-stars.ndjson", "--assert", "3!=3"],
@@ -220,6 +221,48 @@ fn usage_no_map_and_limit_have_codes_of_their_own() {
         let refused = topostar(&["map", "worlds/grid3x3-16.ndjson", "--max-memory", wrong]);
         assert_eq!(refused.status.code(), Some(2), "{wrong}");
     }
+}
+
+/// A trace that no map explains is explained as far as it goes, with what stands in the way.
+#[test]
+fn where_no_map_goes_on_the_reason_and_the_map_before_are_told() {
+    let refuted = topostar(&["map", "worlds/door-shut.ndjson", "--json"]);
+    let standstill = &json(&refuted)["standstill"];
+    assert_eq!(standstill["observation"], 3);
+    let before = standstill["before"]["visits"].as_array().unwrap();
+    assert_eq!(before.len(), 3);
+    let reason = &standstill["reasons"][0];
+    assert_eq!(reason["refuted"]["axiom"], "star-match");
+    let doubts: Vec<u64> =
+        reason["doubts"].as_array().unwrap().iter().map(|d| d["observation"].as_u64().unwrap()).collect();
+    assert!(doubts.contains(&3) && doubts.iter().any(|&seen| seen < 3), "{doubts:?}");
+    let words = topostar(&["map", "worlds/door-shut.ndjson"]);
+    assert_eq!(words.status.code(), Some(4));
+    let words = text(&words.stdout);
+    for part in ["no map explains observation 3", "by star-match: gateway", "one of these was read wrongly"] {
+        assert!(words.contains(part), "{part}: {words}");
+    }
+    // Where there is a map, or the operator ended it, nothing stands still.
+    let found = topostar(&["map", "worlds/aces-stars.ndjson", "--json"]);
+    assert!(json(&found).get("standstill").is_none());
+    let forbidden = ["map", "worlds/aces-stars.ndjson", "--json", "--assert", "0=1"];
+    assert!(json(&topostar(&forbidden)).get("standstill").is_none());
+    let folder = tempfile::tempdir().unwrap();
+    let grids = text(&topostar(&["world", "dead-end", "--resolution", "0.1"]).stdout);
+    let mut lines: Vec<String> = grids.lines().take(9).map(str::to_owned).collect();
+    // Back at the junction the robot sees the end of the corridor that it comes from.
+    let mut end: Value = serde_json::from_str(&lines[5]).unwrap();
+    end["seq"] = 8.into();
+    lines[8] = end.to_string();
+    let output = fed(&["map", "-", "-o", folder.path().to_str().unwrap()], lines.join("\n").as_bytes());
+    assert_eq!(output.status.code(), Some(4), "{}", text(&output.stderr));
+    let drawn = |file: &str| std::fs::read_to_string(folder.path().join(file)).unwrap_or_default();
+    assert!(drawn("map.svg").contains("Map before observation"));
+    assert!(drawn("map.txt").contains("margin"), "{}", drawn("map.txt"));
+    let pictures = std::fs::read_dir(folder.path()).unwrap();
+    let pictures = pictures
+        .filter(|file| file.as_ref().unwrap().file_name().to_string_lossy().starts_with("observation-"));
+    assert_eq!(pictures.count(), 2);
 }
 
 /// What a trace begins with decides the profile; options that do not go with it are usage.
@@ -422,6 +465,13 @@ fn a_place_is_extracted_as_json_and_as_a_picture() {
     assert_eq!(places[9]["gateways"].as_array().unwrap().len(), 4);
     let drawn = std::fs::read_to_string(folder.path().join("observation-00.svg")).unwrap();
     assert_golden("worlds/pictures/office-place.svg", &drawn);
+    let sheet = std::fs::read_to_string(folder.path().join("visits.svg")).unwrap();
+    assert!((0..15).all(|visit| sheet.contains(&format!(">\nVisit {visit}\n<"))), "{}", &sheet[..2000]);
+    assert_eq!(sheet.matches("least margin").count(), 15);
+    let file = folder.path().join("sheet.svg");
+    let output = fed(&["extract", "-", "--svg", file.to_str().unwrap()], &trace);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert_eq!(std::fs::read_to_string(file).unwrap(), sheet);
 }
 
 #[test]

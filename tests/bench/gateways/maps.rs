@@ -65,7 +65,7 @@ pub(super) fn window(
 pub(super) fn draw(place: &PlaceDescription, robot: &Pose, name: &str) {
     let Some(folder) = std::env::var_os("GATEWAY_PICTURES") else { return };
     fs::create_dir_all(&folder).unwrap();
-    fs::write(Path::new(&folder).join(format!("{name}.svg")), extraction_svg(place, robot)).unwrap();
+    fs::write(Path::new(&folder).join(format!("{name}.svg")), extraction_svg(place, robot, &[])).unwrap();
 }
 
 /// The window around a robot, along the axes of the map.
