@@ -11,7 +11,9 @@ mod explanation_text;
 pub mod answer_set;
 mod graph;
 mod outlook;
+mod poses_svg;
 mod refutation;
+mod relaxation;
 mod report;
 mod sheet;
 mod extraction;
@@ -37,7 +39,9 @@ pub use layout::Layout;
 pub use map_svg::map_svg;
 pub use map_text::{map_text, place_type};
 pub use outlook::{Outlook, PredictedSlot, Prediction, Prospect};
+pub use poses_svg::poses_svg;
 pub use refutation::{Alternative, EndedBranch, Refutation};
+pub use relaxation::{PartSize, RelaxationReport, RelaxationSeconds, StrainedEdge};
 pub use report::{
     Assertion, Bound, Count, Extinction, Preferred, Relation, Report, StopReason, Strategy, profile_name,
 };

@@ -66,7 +66,12 @@ impl Descent<'_> {
     /// Descends as far as it goes. Each step costs a factorisation or more.
     pub(super) fn run(mut self, states: Vec<State>) -> Descended {
         let cost = self.problem.cost(&states);
-        let mut at = Descended { states, costs: vec![cost], outcome: Outcome::OutOfIterations, damped: false };
+        let mut at =
+            Descended { states, costs: vec![cost], outcome: Outcome::OutOfIterations, damped: false };
+        if self.structure.nodes() == 0 {
+            at.outcome = Outcome::Converged;
+            return at;
+        }
         let mut damping = 0.0;
         while at.costs.len() <= self.options.max_iterations {
             if let Some(outcome) = self.advance(&mut at, &mut damping) {
@@ -140,7 +145,8 @@ impl Descent<'_> {
                 break;
             }
             let parabola = step.descent * length * length / (after - cost + 2.0 * step.descent * length);
-            length = if parabola.is_finite() { parabola.clamp(0.1 * length, 0.6 * length) } else { 0.1 * length };
+            length =
+                if parabola.is_finite() { parabola.clamp(0.1 * length, 0.6 * length) } else { 0.1 * length };
         }
         best
     }

@@ -9,7 +9,7 @@
 //! `A` carries the far end along as `i` turns. So one block `H = P' W P` gives all: `A' H A`, `-A' H` and `H`.
 
 use crate::geometry::Pose;
-use crate::patchwork::graph::PoseGraph;
+use crate::patchwork::graph::{Edge, PoseGraph};
 use crate::patchwork::loss::Loss;
 use crate::patchwork::structure::NOWHERE;
 use crate::patchwork::system::System;
@@ -24,8 +24,6 @@ pub(super) struct Constraint {
     pub(super) measured: [f64; 3],
     /// The information of an error whose position is in the frame of the first end: xx, xy, yy, xt, yt, tt.
     pub(super) weight: [f64; 6],
-    /// The number of the edge in the graph.
-    pub(super) edge: u32,
 }
 
 /// The edges of a graph, in an order that does not depend on theirs.
@@ -69,29 +67,31 @@ pub(super) fn nearest_angle(angle: f64) -> f64 {
 impl Problem {
     /// The problem of a graph. Sorting makes every sum the same in whatever order the edges were given.
     pub(super) fn new(graph: &PoseGraph, loss: Loss) -> Problem {
-        let edges = graph.edges().iter().zip(graph.ends()).zip(0..);
+        let constraint = |(edge, ends): (&Edge, &[u32; 2])| {
+            let z = &edge.displacement;
+            let weight = turned(&edge.information, z.theta);
+            Constraint { ends: *ends, measured: [z.x, z.y, z.theta], weight }
+        };
         let mut constraints: Vec<Constraint> =
-            edges.map(|((edge, ends), number)| {
-                let z = &edge.displacement;
-                Constraint {
-                    ends: *ends,
-                    measured: [z.x, z.y, z.theta],
-                    weight: turned(&edge.information, z.theta),
-                    edge: number,
-                }
-            }).collect();
+            graph.edges().iter().zip(graph.ends()).map(constraint).collect();
         let bits = |numbers: &[f64]| numbers.iter().map(|n| n.to_bits()).collect::<Vec<u64>>();
         constraints.sort_by(|a, b| {
-            a.ends.cmp(&b.ends).then_with(|| {
-                (bits(&a.measured), bits(&a.weight)).cmp(&(bits(&b.measured), bits(&b.weight)))
-            })
+            a.ends
+                .cmp(&b.ends)
+                .then_with(|| (bits(&a.measured), bits(&a.weight)).cmp(&(bits(&b.measured), bits(&b.weight))))
         });
         Problem { constraints, loss }
     }
 
     /// The sum of the costs of all edges; infinite or none where a state is.
     pub(super) fn cost(&self, states: &[State]) -> f64 {
-        self.constraints.iter().map(|constraint| self.loss.of(constraint.chi_square(states)).0).sum()
+        let cost = |constraint: &Constraint| self.loss.of(constraint.chi_square(states)).0;
+        self.constraints.iter().map(cost).fold(0.0, |sum, cost| sum + cost)
+    }
+
+    /// The sum of `e' W e` of all edges, whatever the loss.
+    pub(super) fn strain(&self, states: &[State]) -> f64 {
+        self.constraints.iter().map(|constraint| constraint.chi_square(states)).fold(0.0, |sum, s| sum + s)
     }
 
     /// The normal equations at some states, over the nodes at which poses have their unknowns.
@@ -169,11 +169,7 @@ impl Constraint {
         let [i, j] = self.ends.map(|end| &states[end as usize]);
         let (dx, dy) = (j.x - i.x, j.y - i.y);
         let [x, y, theta] = self.measured;
-        [
-            i.cos * dx + i.sin * dy - x,
-            i.cos * dy - i.sin * dx - y,
-            nearest_angle(j.theta - i.theta - theta),
-        ]
+        [i.cos * dx + i.sin * dy - x, i.cos * dy - i.sin * dx - y, nearest_angle(j.theta - i.theta - theta)]
     }
 
     /// `e' W e`.
@@ -186,6 +182,13 @@ impl Constraint {
     fn force(&self, [x, y, t]: &[f64; 3]) -> [f64; 3] {
         let [a, b, c, d, e, f] = self.weight;
         [a * x + b * y + d * t, b * x + c * y + e * t, d * x + e * y + f * t]
+    }
+
+    /// The block of positions alone, and half the gradient by the far end's position.
+    pub(super) fn planar(&self, states: &[State]) -> ([[f64; 2]; 2], [f64; 2]) {
+        let tangent = self.tangent(states, Loss::Squared);
+        let [a, b, c, ..] = tangent.far;
+        ([[a, b], [b, c]], [tangent.pull[0], tangent.pull[1]])
     }
 
     fn tangent(&self, states: &[State], loss: Loss) -> Tangent {
@@ -229,14 +232,5 @@ impl Tangent {
         let [[a, b, d], [_, c, e], [p, q, r]] = self.carried();
         let [lx, ly] = self.lever;
         [a, b, c, d + lx * a + ly * b, e + lx * b + ly * c, r + lx * p + ly * q]
-    }
-}
-
-impl Constraint {
-    /// The block of positions alone, and half the gradient by the far end's position.
-    pub(super) fn planar(&self, states: &[State]) -> ([[f64; 2]; 2], [f64; 2]) {
-        let tangent = self.tangent(states, Loss::Squared);
-        let [a, b, c, ..] = tangent.far;
-        ([[a, b], [b, c]], [tangent.pull[0], tangent.pull[1]])
     }
 }

@@ -7,11 +7,12 @@ use crate::patchwork::graph::{PoseGraph, PoseId};
 use crate::patchwork::loss::Loss;
 use crate::patchwork::parts::{anchors, completed, parts};
 use crate::patchwork::problem::{Problem, State};
-use crate::patchwork::singular::{free_nodes, is_sound};
+use crate::patchwork::singular::{free_nodes, is_sound, shift};
 use crate::patchwork::start::rotation_first;
 use crate::patchwork::strain::rank;
 use crate::patchwork::structure::{NOWHERE, Structure};
 use crate::patchwork::system::System;
+use nalgebra::Matrix3;
 
 /// How to relax.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,7 +122,9 @@ pub struct Relaxer {
     odometry: Vec<State>,
     /// Where the last relaxation ended.
     states: Vec<State>,
-    /// Whether the factor is that of the states, without damping.
+    /// Whether each pose can move without strain.
+    undetermined: Vec<bool>,
+    /// Whether the factor is that of the states, undamped but for what is undetermined.
     factorized: bool,
 }
 
@@ -161,6 +164,7 @@ impl Relaxer {
             states: guesses.clone(),
             guesses,
             odometry,
+            undetermined: vec![false; graph.len()],
             factorized: false,
         })
     }
@@ -170,7 +174,8 @@ impl Relaxer {
         let mut trials = vec![];
         let mut best: Option<(Start, Descended)> = None;
         for (start, states) in self.starts()? {
-            if best.as_ref().is_some_and(|(_, best)| self.is_plausible(best)) {
+            let found = |best: &Descended| best.outcome == Outcome::Converged && self.is_likely(cost(best));
+            if best.as_ref().is_some_and(|(_, best)| found(best)) {
                 break;
             }
             let descended = self.descent().run(states);
@@ -187,6 +192,11 @@ impl Relaxer {
         Ok(self.answer(start, &descended, trials))
     }
 
+    /// The poses as given, those that were wanting filled in from the edges.
+    pub fn guesses(&self) -> Vec<Pose> {
+        self.guesses.iter().map(State::pose).collect()
+    }
+
     /// The starts to try, the cheapest first.
     fn starts(&self) -> Result<Vec<(Start, Vec<State>)>, RelaxError> {
         let rotations = || rotation_first(&self.problem, &self.structure, &self.nodes, &self.guesses);
@@ -194,6 +204,9 @@ impl Relaxer {
             Start::Guesses => vec![(Start::Guesses, self.guesses.clone())],
             Start::Odometry => vec![(Start::Odometry, self.odometry.clone())],
             Start::Rotations => vec![(Start::Rotations, rotations()?)],
+            Start::Best if self.is_likely(self.problem.cost(&self.guesses)) => {
+                vec![(Start::Guesses, self.guesses.clone())]
+            }
             Start::Best => vec![(Start::Guesses, self.guesses.clone()), (Start::Rotations, rotations()?)],
         };
         starts.sort_by_cached_key(|(_, states)| {
@@ -215,20 +228,20 @@ impl Relaxer {
         }
     }
 
-    /// Whether a strain is what honest covariances lead to, so that no other minimum need be looked for.
-    fn is_plausible(&self, descended: &Descended) -> bool {
+    /// Whether a cost is what honest covariances lead to, so that no other minimum need be looked for.
+    fn is_likely(&self, cost: f64) -> bool {
         let degrees = self.degrees_of_freedom as f64;
-        descended.outcome == Outcome::Converged && cost(descended) <= degrees + SPREAD * (2.0 * degrees).sqrt()
+        cost <= degrees + SPREAD * (2.0 * degrees).sqrt()
     }
 
     fn answer(&mut self, start: Start, descended: &Descended, trials: Vec<Trial>) -> Relaxation {
         let named = |wanted: &[bool], ids: &[PoseId]| -> Vec<PoseId> {
             ids.iter().zip(wanted).filter(|(_, wanted)| **wanted).map(|(id, _)| *id).collect()
         };
-        let undetermined = self.undetermined(descended.damped);
+        self.undetermined = self.undetermined(descended.damped);
         Relaxation {
             poses: self.states.iter().map(State::pose).collect(),
-            objective: self.problem.constraints.iter().map(|c| c.chi_square(&self.states)).sum(),
+            objective: self.problem.strain(&self.states),
             cost: cost(descended),
             iterations: descended.costs.len().saturating_sub(1),
             outcome: descended.outcome,
@@ -236,7 +249,7 @@ impl Relaxer {
             trials,
             gauge: named(&self.anchored, &self.ids),
             parts: self.named_parts(),
-            undetermined: named(&undetermined, &self.ids),
+            undetermined: named(&self.undetermined, &self.ids),
             degrees_of_freedom: self.degrees_of_freedom,
         }
     }
@@ -261,6 +274,40 @@ impl Relaxer {
             *free = free_nodes[*node as usize];
         }
         free
+    }
+
+    /// The covariance of x, y and heading of a pose in the frame of the gauge, where the last relaxation ended; zero for
+    /// a pose of the gauge, none for one that is unknown or undetermined.
+    ///
+    /// The first asked for costs a factorisation, each more the solution of three systems.
+    pub fn covariance(&mut self, id: PoseId) -> Option<Matrix3<f64>> {
+        let pose = self.ids.iter().position(|known| *known == id)?;
+        let node = self.nodes[pose];
+        if node == NOWHERE {
+            return Some(Matrix3::zeros());
+        }
+        if self.undetermined[pose] || !self.factorized_where_it_ended() {
+            return None;
+        }
+        let unknowns = 3 * self.structure.nodes();
+        let at = 3 * node as usize;
+        let mut sides = vec![0.0; 3 * unknowns];
+        (0..3).for_each(|k| sides[k * unknowns + at + k] = 1.0);
+        self.system.solve(&mut sides);
+        let covariance = Matrix3::from_fn(|row, column| sides[column * unknowns + at + row]);
+        Some((covariance + covariance.transpose()) / 2.0)
+    }
+
+    fn factorized_where_it_ended(&mut self) -> bool {
+        if !self.factorized {
+            self.linearise();
+            let diagonals = self.system.diagonals();
+            if self.undetermined.contains(&true) {
+                shift(&mut self.system, &diagonals);
+            }
+            self.factorized = self.system.factorize().is_ok();
+        }
+        self.factorized
     }
 
     fn linearise(&mut self) {

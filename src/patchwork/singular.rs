@@ -27,21 +27,18 @@ pub(super) fn is_sound(system: &System<3>, diagonals: &[f64]) -> bool {
 /// The nodes of an undamped system, with this diagonal, that can move without strain. The factor is lost.
 pub(super) fn free_nodes(system: &mut System<3>, diagonals: &[f64]) -> Vec<bool> {
     let nodes = diagonals.len() / 3;
-    let largest = diagonals.iter().copied().fold(0.0, f64::max);
-    if largest <= 0.0 {
+    if diagonals.iter().all(|entry| *entry <= 0.0) {
         return vec![true; nodes];
     }
-    // Scaled so that metres and radians, near and far poses count alike.
-    let scale: Vec<f64> = diagonals.iter().map(|entry| entry.max(largest * SHIFT).sqrt()).collect();
-    let shift = |(entry, scale): (&f64, &f64)| entry + SHIFT * scale * scale;
-    system.set_diagonals(diagonals.iter().zip(&scale).map(shift));
+    let scale = shift(system, diagonals);
     let mut free = vec![false; nodes];
     if system.factorize().is_err() {
         return free;
     }
     for side in 0..SIDES {
         // In scaled coordinates y = s x; the scaled matrix is S^-1 (H + shift S^2) S^-1.
-        let mut motion: Vec<f64> = (0..diagonals.len() as u64).map(|k| rough(k + side * 0x9E37_79B9)).collect();
+        let mut motion: Vec<f64> =
+            (0..diagonals.len() as u64).map(|k| rough(k + side * 0x9E37_79B9)).collect();
         let mut strain = f64::INFINITY;
         for _ in 0..ROUNDS {
             let before = normalised(&motion);
@@ -60,6 +57,15 @@ pub(super) fn free_nodes(system: &mut System<3>, diagonals: &[f64]) -> Vec<bool>
         }
     }
     free
+}
+
+/// Adds a tiny share of its diagonal to a system. Gives the scale of each unknown, by which metres and radians, poses
+/// that are well and that are poorly measured count alike.
+pub(super) fn shift(system: &mut System<3>, diagonals: &[f64]) -> Vec<f64> {
+    let largest = diagonals.iter().copied().fold(0.0, f64::max);
+    let scale: Vec<f64> = diagonals.iter().map(|entry| entry.max(largest * SHIFT).sqrt()).collect();
+    system.set_diagonals(diagonals.iter().zip(&scale).map(|(entry, scale)| entry + SHIFT * scale * scale));
+    scale
 }
 
 fn normalised(vector: &[f64]) -> Vec<f64> {

@@ -12,8 +12,15 @@ use crate::patchwork::system::System;
 
 /// Edges that say nothing of heading still hang poses together, by this share of the weight of the surest.
 const LEAST_WEIGHT: f64 = 1e-9;
+/// A direction as a vector that is shorter than this has been contradicted.
+const FADED: f64 = 0.7;
+/// By how much directions are drawn to the unit circle, as a share of the mean weight at a pose, and how often. On
+/// graphs of 3500 poses whose measured turns are off by 0.3 radians, five rounds reach the least known; a share of 1
+/// stays where it began.
+const PULL: f64 = 0.005;
+const ROUNDS: usize = 10;
 /// How often angles are solved for at most.
-const TURNS: usize = 20;
+const TURNS: usize = 50;
 /// Radians by which angles may still change at the end.
 const SETTLED: f64 = 1e-4;
 
@@ -24,7 +31,8 @@ pub(super) fn rotation_first(
     nodes: &[u32],
     states: &[State],
 ) -> Result<Vec<State>, RelaxError> {
-    let start = RotationFirst { constraints: &problem.constraints, structure, nodes, weights: weights(problem) };
+    let start =
+        RotationFirst { constraints: &problem.constraints, structure, nodes, weights: weights(problem) };
     let mut planar = System::new(structure)?;
     let mut states = states.to_vec();
     start.relax_directions(&mut states, &mut planar);
@@ -91,10 +99,15 @@ impl RotationFirst<'_> {
                 _ => system.add_block(place, &[[-c, s], [-s, -c]]),
             }
         }
+        let diagonals = system.diagonals();
         if factorized(system) {
-            system.solve(&mut side);
+            let mut directions = side.clone();
+            system.solve(&mut directions);
+            if directions.chunks(2).any(|d| d[0].hypot(d[1]) < FADED) {
+                sharpen(system, &diagonals, &side, &mut directions);
+            }
             self.give(states, |state, node| {
-                let (x, y) = (side[2 * node], side[2 * node + 1]);
+                let (x, y) = (directions[2 * node], directions[2 * node + 1]);
                 let theta = if x.hypot(y) > 0.0 { y.atan2(x) } else { state.theta };
                 State::new(state.x, state.y, theta)
             });
@@ -173,6 +186,26 @@ impl RotationFirst<'_> {
                 *state = changed;
             }
         }
+    }
+}
+
+/// Draws directions to the unit circle while they stay near the measurements: each round solves for directions that are
+/// also near those of the round before, at full length. Without, what is far from the anchor along edges that contradict
+/// each other fades, and says little of its heading.
+fn sharpen(system: &mut System<2>, diagonals: &[f64], side: &[f64], directions: &mut Vec<f64>) {
+    let pull = PULL * diagonals.iter().sum::<f64>() / diagonals.len() as f64;
+    system.set_diagonals(diagonals.iter().map(|entry| entry + pull));
+    if system.factorize().is_err() {
+        return;
+    }
+    for _ in 0..ROUNDS {
+        for direction in directions.chunks_mut(2) {
+            let length = direction[0].hypot(direction[1]).max(f64::MIN_POSITIVE);
+            direction.iter_mut().for_each(|n| *n /= length);
+        }
+        let mut next: Vec<f64> = side.iter().zip(directions.iter()).map(|(s, d)| s + pull * d).collect();
+        system.solve(&mut next);
+        *directions = next;
     }
 }
 

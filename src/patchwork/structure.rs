@@ -61,8 +61,7 @@ impl Structure {
     pub(super) fn elimination_order(&self) -> Result<Vec<u32>, RelaxError> {
         let nodes = self.nodes();
         let (mut order, mut position) = (vec![0_u32; nodes], vec![0_u32; nodes]);
-        let pattern =
-            SymbolicSparseColMatRef::new_checked(nodes, nodes, &self.starts, None, &self.rows);
+        let pattern = SymbolicSparseColMatRef::new_checked(nodes, nodes, &self.starts, None, &self.rows);
         let scratch = amd::order_scratch::<u32>(nodes, self.rows.len());
         let mut memory = MemBuffer::try_new(scratch).map_err(|_| RelaxError::Memory)?;
         let stack = MemStack::new(&mut memory);

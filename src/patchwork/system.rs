@@ -64,9 +64,10 @@ impl<const B: usize> System<B> {
         let symbolic =
             factorize_symbolic_cholesky(pattern.as_ref(), Side::Upper, SymmetricOrdering::Identity, params)
                 .map_err(|_| RelaxError::Memory)?;
-        let scratch = symbolic
-            .factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default())
-            .or(symbolic.solve_in_place_scratch::<f64>(B, Par::Seq));
+        let scratch =
+            symbolic
+                .factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default())
+                .or(symbolic.solve_in_place_scratch::<f64>(B, Par::Seq));
         let memory = MemBuffer::try_new(scratch).map_err(|_| RelaxError::Memory)?;
         let factor = vec![0.0; symbolic.len_val()];
         let matrix = SparseColMat::new(pattern, vec![0.0; entries]);
@@ -170,11 +171,6 @@ impl<const B: usize> System<B> {
                     .collect()
             }
         }
-    }
-
-    /// How many numbers the factor has.
-    pub(super) fn factor_entries(&self) -> usize {
-        self.factor.len()
     }
 }
 

@@ -67,10 +67,7 @@ struct Raw {
 ///
 /// The order of information is that of the tags, unless under it some matrix is no inverse covariance and under the other
 /// one all are: then it is the other one, and a note says so. An order given overrides both.
-pub fn read_graph(
-    input: impl BufRead,
-    order: Option<InformationOrder>,
-) -> Result<ReadGraph, FormatError> {
+pub fn read_graph(input: impl BufRead, order: Option<InformationOrder>) -> Result<ReadGraph, FormatError> {
     let raw = read_lines(input)?;
     let mut notes = vec![];
     let order = match order {
@@ -151,16 +148,18 @@ fn likely_order(edges: &[RawEdge], notes: &mut Vec<String>) -> InformationOrder 
 }
 
 fn assemble(raw: &Raw, order: InformationOrder) -> Result<PoseGraph, FormatError> {
-    let at = |line: usize| move |error: crate::patchwork::GraphError| {
-        let mend = match error {
-            crate::patchwork::GraphError::Information => format!(
-                "; read in the order of {}: is it that of {}? --information-order tells",
-                order.name(),
-                order.other().name()
-            ),
-            _ => String::new(),
-        };
-        FormatError::Line { line, what: format!("{error}{mend}") }
+    let at = |line: usize| {
+        move |error: crate::patchwork::GraphError| {
+            let mend = match error {
+                crate::patchwork::GraphError::Information => format!(
+                    "; read in the order of {}: is it that of {}? --information-order tells",
+                    order.name(),
+                    order.other().name()
+                ),
+                _ => String::new(),
+            };
+            FormatError::Line { line, what: format!("{error}{mend}") }
+        }
     };
     let mut graph = PoseGraph::new();
     let named: BTreeSet<PoseId> =

@@ -62,7 +62,10 @@ fn repeated_edges_count_and_are_noted() {
 #[test]
 fn what_is_no_graph_is_refused_with_its_line() {
     for (text, said) in [
-        ("\nVERTEX_SE2 0 0 0\n", "line 2: VERTEX_SE2 has 3 words after it, expected 4: id x y theta; the line may have been cut off"),
+        (
+            "\nVERTEX_SE2 0 0 0\n",
+            "line 2: VERTEX_SE2 has 3 words after it, expected 4: id x y theta; the line may have been cut off",
+        ),
         ("VERTEX_SE2 0 0 0 0 0\n", "expected 4: id x y theta"),
         ("EDGE_SE2 0 1 1 0 0 1 0 0 1 0\n", "expected 11"),
         ("VERTEX_SE2 0 0 nan 0\n", "line 1: \"nan\" is no number, expected a finite one"),
@@ -70,7 +73,10 @@ fn what_is_no_graph_is_refused_with_its_line() {
         ("VERTEX_SE2 0 0 1e999 0\n", "finite"),
         ("VERTEX_SE2 0 1,5 0 0\n", "no comma"),
         ("VERTEX_SE2 -1 0 0 0\n", "\"-1\" names no pose"),
-        ("VERTEX_SE2 0 0 0 0\nVERTEX_SE2 0 0 0 0\nVERTEX_SE2 0 1 0 0\n", "line 3: pose 0 was given otherwise on line 2"),
+        (
+            "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 0 0 0 0\nVERTEX_SE2 0 1 0 0\n",
+            "line 3: pose 0 was given otherwise on line 2",
+        ),
         ("EDGE_SE2 4 4 1 0 0 1 0 0 1 0 1\n", "line 1: the edge leads from pose 4 to itself"),
         ("EDGE_SE2 0 1 1 0 0 -1 0 0 1 0 1\n", "information matrix is not symmetric"),
         ("FIX\n", "expected FIX id"),

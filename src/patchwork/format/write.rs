@@ -44,7 +44,10 @@ fn edges(graph: &PoseGraph, tag: &str, order: InformationOrder) -> String {
     let mut text = String::new();
     for Edge { from, to, displacement: z, information } in graph.edges() {
         let [a, b, c, d, e, f] = order.places().map(|place| information[place]);
-        line(&mut text, format_args!("{tag} {from} {to} {} {} {} {a} {b} {c} {d} {e} {f}", z.x, z.y, z.theta));
+        line(
+            &mut text,
+            format_args!("{tag} {from} {to} {} {} {} {a} {b} {c} {d} {e} {f}", z.x, z.y, z.theta),
+        );
     }
     text
 }

@@ -55,6 +55,9 @@ usage: cargo xtask <task>
   compare [SECONDS]
            the search beside clingo on the recorded grids: whether the answers are the same, then how long each takes;
            clingo is cut off after so many seconds a question, 60 unless told otherwise
+  compare-relax [graphs] [truth] [growing] [growth]
+           relaxation beside GTSAM: objectives and times on the recorded graphs of ../shared/data, the distance to the
+           ground truth, the cost of each pose as a graph grows, and of graphs of 100 to 100,000 poses
   evaluate [WALKS [SEED]]
            random walks with odometry that drifts: how often an axiom refutes the true map, how many candidates are
            left, and how often the true map is preferred
@@ -73,7 +76,8 @@ fn main() -> ExitCode {
             environment: &[("UPDATE_GOLDEN", "1")],
             component: None,
         }]),
-        ["compare", ref rest @ ..] => compare(rest),
+        ["compare", ref rest @ ..] => compare("rival", &oracles::CLINGO, rest),
+        ["compare-relax", ref rest @ ..] => compare("relax", &oracles::GTSAM, rest),
         ["evaluate", ref rest @ ..] => evaluate(rest),
         ["gateways", ref rest @ ..] => bench("gateways", rest, &[]),
         ["help" | "--help" | "-h"] => {
@@ -87,9 +91,9 @@ fn main() -> ExitCode {
     }
 }
 
-fn compare(rest: &[&str]) -> ExitCode {
-    match oracles::set_up(&root()) {
-        Ok(python) => bench("rival", rest, &[(oracles::PYTHON, python)]),
+fn compare(target: &str, rival: &oracles::Oracle, rest: &[&str]) -> ExitCode {
+    match oracles::set_up(&root(), rival) {
+        Ok(python) => bench(target, rest, &[(oracles::PYTHON, python)]),
         Err(why) => {
             eprintln!("failed: no rival to compare with: {why}");
             ExitCode::FAILURE
@@ -128,7 +132,7 @@ fn root() -> PathBuf {
 
 fn test() -> ExitCode {
     let root = root();
-    if let Err(why) = oracles::set_up(&root) {
+    if let Err(why) = oracles::set_up(&root, &oracles::CLINGO) {
         eprintln!("failed: no oracle to hold the search to: {why}");
         return ExitCode::FAILURE;
     }
@@ -138,7 +142,7 @@ fn test() -> ExitCode {
     let outcome = run_all(&TEST.iter().collect::<Vec<_>>());
     println!("skipped, as ../shared/data is not there:");
     let source = |file: &str| fs::read_to_string(root.join("tests/real_data").join(file)).unwrap_or_default();
-    let sources = ["main.rs", "logs.rs"].map(source).concat();
+    let sources = ["main.rs", "logs.rs", "posegraphs.rs"].map(source).concat();
     let tests = sources.split("#[test]\nfn ").skip(1).filter_map(|rest| rest.split('(').next());
     tests.for_each(|name| println!("  real_data {name}"));
     outcome
