@@ -9,6 +9,8 @@ use std::f64::consts::{PI, TAU};
 pub type Point = nalgebra::Point2<f64>;
 /// A displacement of the plane, metres.
 pub type Vector = nalgebra::Vector2<f64>;
+/// The derivative of a pose by another, over x, y, heading each.
+pub type Jacobian = nalgebra::Matrix3<f64>;
 
 /// An element of SE(2): the pose of one frame in another, or the transform between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,6 +42,32 @@ impl Pose {
     pub fn inverse(&self) -> Pose {
         let back = self.rotation().inverse() * Vector::new(-self.x, -self.y);
         Pose::new(back.x, back.y, -self.theta)
+    }
+
+    /// `b_from_c` for `self = a_from_b` and `a_from_c`: what `compose` undoes.
+    pub fn between(&self, a_from_c: &Pose) -> Pose {
+        let ahead = self.rotation().inverse() * (a_from_c.position() - self.position());
+        Pose::new(ahead.x, ahead.y, a_from_c.theta - self.theta)
+    }
+
+    /// The derivatives of [`Pose::compose`] by the x, y, heading of `self` and by those of its argument.
+    pub fn compose_jacobians(&self, b_from_c: &Pose) -> [Jacobian; 2] {
+        let ahead = self.rotate(&Vector::new(b_from_c.x, b_from_c.y));
+        let (sin, cos) = self.theta.sin_cos();
+        [
+            Jacobian::new(1.0, 0.0, -ahead.y, 0.0, 1.0, ahead.x, 0.0, 0.0, 1.0),
+            Jacobian::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0),
+        ]
+    }
+
+    /// The derivatives of [`Pose::between`] by the x, y, heading of `self` and by those of its argument.
+    pub fn between_jacobians(&self, a_from_c: &Pose) -> [Jacobian; 2] {
+        let ahead = self.between(a_from_c);
+        let (sin, cos) = self.theta.sin_cos();
+        [
+            Jacobian::new(-cos, -sin, ahead.y, sin, -cos, -ahead.x, 0.0, 0.0, -1.0),
+            Jacobian::new(cos, sin, 0.0, -sin, cos, 0.0, 0.0, 0.0, 1.0),
+        ]
     }
 
     /// The coordinates in frame `a` of a point given in frame `b`, for `self = a_from_b`.
@@ -117,6 +145,7 @@ pub fn bearing(vector: &Vector) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     #[test]
     fn half_turns_wrap_to_plus_pi() {
@@ -130,5 +159,58 @@ mod tests {
         assert!((clockwise_from(PI / 2.0, 0.0) - PI / 2.0).abs() < 1e-12);
         assert!((clockwise_from(0.0, PI / 2.0) - 1.5 * PI).abs() < 1e-12);
         assert_eq!(clockwise_from(1.0, 1.0 + 1e-17), 0.0);
+    }
+
+    fn poses() -> impl Strategy<Value = Pose> {
+        (-50.0..50.0, -50.0..50.0, -10.0..10.0).prop_map(|(x, y, theta)| Pose::new(x, y, theta))
+    }
+
+    fn near(a: &Pose, b: &Pose, tolerance: f64) -> bool {
+        [a.x - b.x, a.y - b.y, wrap_angle(a.theta - b.theta)].iter().all(|d| d.abs() < tolerance)
+    }
+
+    /// A derivative by central differences.
+    fn numeric(at: &Pose, of: impl Fn(&Pose) -> Pose) -> Jacobian {
+        let step = 1e-5;
+        let columns = [(step, 0.0, 0.0), (0.0, step, 0.0), (0.0, 0.0, step)].map(|(x, y, theta)| {
+            let [more, less] =
+                [1.0, -1.0].map(|s| of(&Pose::new(at.x + s * x, at.y + s * y, at.theta + s * theta)));
+            let turned = wrap_angle(more.theta - less.theta);
+            nalgebra::Vector3::new(more.x - less.x, more.y - less.y, turned) / (2.0 * step)
+        });
+        Jacobian::from_columns(&columns)
+    }
+
+    proptest! {
+        #[test]
+        fn poses_are_a_group(a in poses(), b in poses(), c in poses()) {
+            prop_assert!(near(&a.compose(&b).compose(&c), &a.compose(&b.compose(&c)), 1e-9));
+            prop_assert!(near(&a.compose(&Pose::IDENTITY), &a, 1e-12));
+            prop_assert!(near(&Pose::IDENTITY.compose(&a), &a, 1e-12));
+            prop_assert!(near(&a.compose(&a.inverse()), &Pose::IDENTITY, 1e-9));
+            prop_assert!(near(&a.inverse().compose(&a), &Pose::IDENTITY, 1e-9));
+        }
+
+        #[test]
+        fn between_undoes_compose(a in poses(), b in poses()) {
+            prop_assert!(near(&a.between(&a.compose(&b)), &b, 1e-9));
+            prop_assert!(near(&a.between(&b), &a.inverse().compose(&b), 1e-9));
+        }
+
+        #[test]
+        fn a_pose_acts_on_points_as_it_composes(a in poses(), b in poses()) {
+            let there = a.compose(&b).position();
+            prop_assert!((there - a.transform_point(&b.position())).norm() < 1e-9);
+        }
+
+        #[test]
+        fn jacobians_are_the_numeric_derivatives(a in poses(), b in poses()) {
+            let [by_a, by_b] = a.compose_jacobians(&b);
+            prop_assert!((by_a - numeric(&a, |a| a.compose(&b))).abs().max() < 1e-6);
+            prop_assert!((by_b - numeric(&b, |b| a.compose(b))).abs().max() < 1e-6);
+            let [by_a, by_b] = a.between_jacobians(&b);
+            prop_assert!((by_a - numeric(&a, |a| a.between(&b))).abs().max() < 1e-6);
+            prop_assert!((by_b - numeric(&b, |b| a.between(b))).abs().max() < 1e-6);
+        }
     }
 }

@@ -47,6 +47,7 @@ pub mod worlds;
 pub mod map;
 pub mod abduction;
 pub mod metric;
+pub mod patchwork;
 pub mod classic;
 pub mod reference;
 pub mod explanation;

@@ -15,6 +15,7 @@ mod input;
 mod log;
 mod map;
 mod poses;
+mod relax;
 mod serve;
 mod standstill;
 mod star_race;
@@ -50,6 +51,8 @@ enum Verb {
     Check(check::Check),
     /// Read gateways and star off one occupancy grid, or off every grid of a trace.
     Extract(extract::Extract),
+    /// Relax a pose graph: move its poses until what was measured between them is strained least.
+    Relax(relax::Relax),
     /// Run the HTTP service.
     Serve(serve::Serve),
     /// Write the trace of a bundled world, or list the worlds.
@@ -80,6 +83,7 @@ pub fn run() -> ExitCode {
         Verb::Map(verb) => verb.run(),
         Verb::Check(verb) => verb.run(),
         Verb::Extract(verb) => verb.run(),
+        Verb::Relax(verb) => verb.run(),
         Verb::Serve(verb) => verb.run(),
         Verb::World(verb) => verb.run(),
     };

@@ -12,7 +12,9 @@ pub mod answer_set;
 mod graph;
 mod outlook;
 mod pose_errors;
+mod poses_svg;
 mod refutation;
+mod relaxation;
 mod report;
 mod sheet;
 mod standstill;
@@ -41,7 +43,9 @@ pub use map_svg::map_svg;
 pub use map_text::{map_text, place_type};
 pub use outlook::{Outlook, PredictedSlot, Prediction, Prospect};
 pub use pose_errors::{PoseError, PoseErrorRow, PoseErrors};
+pub use poses_svg::poses_svg;
 pub use refutation::{Alternative, EndedBranch, Refutation};
+pub use relaxation::{PartSize, RelaxationReport, RelaxationSeconds, StrainedEdge};
 pub use report::{
     Assertion, Bound, Count, Extinction, Preferred, Relation, Report, StopReason, Strategy, profile_name,
 };

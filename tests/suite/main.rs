@@ -9,4 +9,5 @@ mod http;
 mod layers;
 mod logs;
 mod openapi;
+mod relax;
 mod worlds;

@@ -58,6 +58,9 @@ usage: cargo xtask <task>
   compare-perception
            distance field, skeleton and graph beside OpenCV, scikit-image and sknw: whether the answers are the same, then
            how long each takes
+  compare-relax [graphs] [truth] [growing] [growth]
+           relaxation beside GTSAM: objectives and times on the recorded graphs of ../shared/data, the distance to the
+           ground truth, the cost of each pose as a graph grows, and of graphs of 100 to 100,000 poses
   evaluate [WALKS [SEED]]
            random walks with odometry that drifts: how often an axiom refutes the true map, how many candidates are
            left, and how often the true map is preferred
@@ -78,6 +81,7 @@ fn main() -> ExitCode {
         }]),
         ["compare", ref rest @ ..] => compare("rival", oracles::CLINGO, rest),
         ["compare-perception"] => compare("perception_rival", oracles::IMAGES, &[]),
+        ["compare-relax", ref rest @ ..] => compare("relax", oracles::GTSAM, rest),
         ["evaluate", ref rest @ ..] => evaluate(rest),
         ["gateways", ref rest @ ..] => bench("gateways", rest, &[]),
         ["help" | "--help" | "-h"] => {
@@ -142,7 +146,7 @@ fn test() -> ExitCode {
     let outcome = run_all(&TEST.iter().collect::<Vec<_>>());
     println!("skipped, as ../shared/data is not there:");
     let source = |file: &str| fs::read_to_string(root.join("tests/real_data").join(file)).unwrap_or_default();
-    let sources = ["main.rs", "logs.rs"].map(source).concat();
+    let sources = ["main.rs", "logs.rs", "posegraphs.rs"].map(source).concat();
     let tests = sources.split("#[test]\nfn ").skip(1).filter_map(|rest| rest.split('(').next());
     tests.for_each(|name| println!("  real_data {name}"));
     outcome

@@ -25,6 +25,9 @@ pub(crate) const IMAGES: &[Package] = &[
     Package { name: "sknw", version: "0.15" },
 ];
 
+/// What relaxation is compared with; numpy comes along.
+pub(crate) const GTSAM: &[Package] = &[Package { name: "gtsam", version: "4.3.0" }];
+
 /// The variable that names the Python to ask, see `axioms/clingo.rs`.
 pub(crate) const PYTHON: &str = "TOPOSTAR_CLINGO_PYTHON";
 

@@ -1,0 +1,169 @@
+//! The descent: Gauss and Newton's steps, shortened and damped as need be.
+//!
+//! A step solves the normal equations. Where it would not pay, it is first shortened, by the parabola through what is
+//! known of the cost along it (Dennis and Schnabel 1983, section 6.3): that takes the errors alone, not another
+//! factorisation. Where no length pays, or the equations are singular, the diagonal is raised (Levenberg 1944,
+//! Marquardt 1963). A step that would raise the cost is never taken.
+
+use crate::patchwork::problem::{Problem, State};
+use crate::patchwork::relax::{Outcome, RelaxOptions};
+use crate::patchwork::structure::{NOWHERE, Structure};
+use crate::patchwork::system::System;
+
+/// What a descent goes by.
+pub(super) struct Descent<'a> {
+    pub(super) problem: &'a Problem,
+    pub(super) structure: &'a Structure,
+    /// The node of each pose.
+    pub(super) nodes: &'a [u32],
+    pub(super) system: &'a mut System<3>,
+    pub(super) options: &'a RelaxOptions,
+}
+
+/// Where a descent ended.
+#[derive(Clone, Debug)]
+pub(super) struct Descended {
+    pub(super) states: Vec<State>,
+    /// The cost at the start and after each step.
+    pub(super) costs: Vec<f64>,
+    pub(super) outcome: Outcome,
+    /// Whether a factorisation without damping failed at the last.
+    pub(super) damped: bool,
+}
+
+/// Damping that is tried first, and below which there is none: shares of the diagonal.
+const LEAST_DAMPING: f64 = 1e-6;
+/// Damping at which steps are too short to change anything.
+const MOST_DAMPING: f64 = 1e12;
+/// By how much damping is raised and lowered.
+const DAMPING_FACTOR: f64 = 10.0;
+/// What every unknown has on the diagonal at least when it is damped, as a share of the largest there.
+const LEAST_DIAGONAL: f64 = 1e-9;
+/// How many lengths of a step are tried.
+const LENGTHS: usize = 8;
+/// A step shorter than this share of what was asked for calls for damping; one longer than the second for less.
+const SHORT: f64 = 0.2;
+const LONG: f64 = 0.5;
+/// A step of fewer metres or radians, against the extent of the map, changes nothing but rounding.
+const NO_STEP: f64 = 1e-12;
+
+/// What the normal equations ask for.
+struct Step {
+    by: Vec<f64>,
+    /// What the cost falls by to first order, half of it.
+    descent: f64,
+    /// What the cost falls by if errors are linear.
+    gain: f64,
+}
+
+struct Taken {
+    states: Vec<State>,
+    cost: f64,
+    length: f64,
+}
+
+impl Descent<'_> {
+    /// Descends as far as it goes. Each step costs a factorisation or more.
+    pub(super) fn run(mut self, states: Vec<State>) -> Descended {
+        let cost = self.problem.cost(&states);
+        let mut at =
+            Descended { states, costs: vec![cost], outcome: Outcome::OutOfIterations, damped: false };
+        if self.structure.nodes() == 0 {
+            at.outcome = Outcome::Converged;
+            return at;
+        }
+        let mut damping = 0.0;
+        while at.costs.len() <= self.options.max_iterations {
+            if let Some(outcome) = self.advance(&mut at, &mut damping) {
+                at.outcome = outcome;
+                break;
+            }
+        }
+        at
+    }
+
+    /// One step; the outcome, if there are no more to take.
+    fn advance(&mut self, at: &mut Descended, damping: &mut f64) -> Option<Outcome> {
+        let slope = self.problem.linearise(&at.states, self.nodes, &self.structure.places, self.system);
+        let cost = at.costs.last().copied().unwrap_or_default();
+        let diagonals = self.system.diagonals();
+        loop {
+            let step = self.step(&slope, &diagonals, *damping);
+            at.damped = *damping > 0.0;
+            if let Some(step) = step {
+                let last = step.gain <= self.options.tolerance * cost || self.is_rounding(&step, &at.states);
+                let taken = self.search(&at.states, cost, &step, last);
+                if let Some(taken) = taken {
+                    *damping = match taken.length {
+                        length if length < SHORT => (*damping * DAMPING_FACTOR).max(LEAST_DAMPING),
+                        length if length > LONG && *damping <= LEAST_DAMPING => 0.0,
+                        length if length > LONG => *damping / DAMPING_FACTOR,
+                        _ => *damping,
+                    };
+                    at.states = taken.states;
+                    at.costs.push(taken.cost);
+                    return last.then_some(Outcome::Converged);
+                }
+                if last {
+                    return Some(Outcome::Converged);
+                }
+            }
+            *damping = (*damping * DAMPING_FACTOR).max(LEAST_DAMPING);
+            if *damping > MOST_DAMPING {
+                return Some(Outcome::Stalled);
+            }
+        }
+    }
+
+    /// The step under some damping, if the normal equations have a solution.
+    fn step(&mut self, slope: &[f64], diagonals: &[f64], damping: f64) -> Option<Step> {
+        let least = diagonals.iter().copied().fold(0.0, f64::max) * LEAST_DIAGONAL;
+        let extra = |entry: f64| damping * entry.max(least);
+        self.system.set_diagonals(diagonals.iter().map(|entry| entry + extra(*entry)));
+        self.system.factorize().ok()?;
+        let mut by: Vec<f64> = slope.iter().map(|s| -s).collect();
+        self.system.solve(&mut by);
+        let descent = -by.iter().zip(slope).map(|(b, s)| b * s).sum::<f64>();
+        let held_back: f64 = by.iter().zip(diagonals).map(|(b, entry)| b * b * extra(*entry)).sum();
+        let gain = descent + held_back;
+        (gain.is_finite() && gain >= 0.0).then_some(Step { by, descent, gain })
+    }
+
+    /// The length of a step that pays best of those tried, if one does.
+    fn search(&self, states: &[State], cost: f64, step: &Step, last: bool) -> Option<Taken> {
+        let mut best: Option<Taken> = None;
+        let mut length = 1.0;
+        for _ in 0..if last { 1 } else { LENGTHS } {
+            let there = self.moved(states, &step.by, length);
+            let after = self.problem.cost(&there);
+            let better = after <= best.as_ref().map_or(cost, |taken| taken.cost);
+            if better {
+                best = Some(Taken { states: there, cost: after, length });
+            }
+            // Half of what was promised is good enough; and past the best length there is no better one.
+            if (better && after <= cost - 0.5 * step.descent * length) || (!better && best.is_some()) {
+                break;
+            }
+            let parabola = step.descent * length * length / (after - cost + 2.0 * step.descent * length);
+            length =
+                if parabola.is_finite() { parabola.clamp(0.1 * length, 0.6 * length) } else { 0.1 * length };
+        }
+        best
+    }
+
+    fn moved(&self, states: &[State], by: &[f64], length: f64) -> Vec<State> {
+        let moved = |(state, node): (&State, &u32)| {
+            if *node == NOWHERE {
+                return *state;
+            }
+            let [x, y, theta] = std::array::from_fn(|k| length * by[3 * *node as usize + k]);
+            State::new(state.x + x, state.y + y, state.theta + theta)
+        };
+        states.iter().zip(self.nodes).map(moved).collect()
+    }
+
+    fn is_rounding(&self, step: &Step, states: &[State]) -> bool {
+        let extent = states.iter().map(|state| state.x.abs().max(state.y.abs())).fold(1.0, f64::max);
+        step.by.iter().all(|by| by.abs() <= NO_STEP * extent)
+    }
+}

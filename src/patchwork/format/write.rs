@@ -1,0 +1,58 @@
+//! Writing graphs and trajectories. Numbers are the shortest that read back to the last bit.
+
+use crate::patchwork::format::InformationOrder;
+use crate::patchwork::graph::{Edge, PoseGraph};
+use std::fmt::Write;
+
+/// The graph in g2o's format, its guesses as vertices; `FIX` for each pose held.
+pub fn write_g2o(graph: &PoseGraph) -> String {
+    let mut text = vertices(graph, "VERTEX_SE2");
+    for (id, _) in graph.ids().iter().zip(graph.held()).filter(|(_, held)| **held) {
+        line(&mut text, format_args!("FIX {id}"));
+    }
+    text + &edges(graph, "EDGE_SE2", InformationOrder::G2o)
+}
+
+/// The graph in TORO's format, which has no word for poses held.
+pub fn write_toro(graph: &PoseGraph) -> String {
+    vertices(graph, "VERTEX2") + &edges(graph, "EDGE2", InformationOrder::Toro)
+}
+
+/// The guesses as a TUM trajectory: `stamp x y z qx qy qz qw`, the number of the pose for a stamp.
+pub fn write_tum(graph: &PoseGraph) -> String {
+    let mut text = String::new();
+    for (id, guess) in graph.ids().iter().zip(graph.guesses()) {
+        if let Some(pose) = guess {
+            let (sin, cos) = (pose.theta / 2.0).sin_cos();
+            line(&mut text, format_args!("{id} {} {} 0 0 0 {sin} {cos}", pose.x, pose.y));
+        }
+    }
+    text
+}
+
+fn vertices(graph: &PoseGraph, tag: &str) -> String {
+    let mut text = String::new();
+    for (id, guess) in graph.ids().iter().zip(graph.guesses()) {
+        if let Some(pose) = guess {
+            line(&mut text, format_args!("{tag} {id} {} {} {}", pose.x, pose.y, pose.theta));
+        }
+    }
+    text
+}
+
+fn edges(graph: &PoseGraph, tag: &str, order: InformationOrder) -> String {
+    let mut text = String::new();
+    for Edge { from, to, displacement: z, information } in graph.edges() {
+        let [a, b, c, d, e, f] = order.places().map(|place| information[place]);
+        line(
+            &mut text,
+            format_args!("{tag} {from} {to} {} {} {} {a} {b} {c} {d} {e} {f}", z.x, z.y, z.theta),
+        );
+    }
+    text
+}
+
+fn line(text: &mut String, content: std::fmt::Arguments<'_>) {
+    // Writing to a string does not fail.
+    let _ = writeln!(text, "{content}");
+}

@@ -1,0 +1,147 @@
+//! `topostar relax` from outside: what it prints and writes, and how it takes what is no graph.
+
+use crate::cli::{fed, json, text, topostar};
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use std::fmt::Write as _;
+use std::fs;
+use std::io::Write as _;
+use std::process::Command;
+
+/// A square of corridors walked twice, its odometry turning a little too far, with what was recognised.
+fn square() -> String {
+    let mut text = String::new();
+    for k in 0..40 {
+        let turn = if k % 5 == 4 { 1.62 } else { 0.002 };
+        writeln!(text, "EDGE_SE2 {k} {} 1.01 0.01 {turn} 400 0 0 400 0 2500", k + 1).unwrap();
+    }
+    for k in 0..=20 {
+        writeln!(text, "EDGE_SE2 {k} {} 0.02 -0.01 0.001 400 0 0 400 0 2500", k + 20).unwrap();
+    }
+    text
+}
+
+fn file(name: &str, content: &[u8]) -> (tempfile::TempDir, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    fs::write(&path, content).unwrap();
+    (folder, path.to_str().unwrap().to_owned())
+}
+
+#[test]
+fn a_graph_is_relaxed_and_said_in_json() {
+    let output = fed(&["relax", "-", "--json", "--covariance", "40"], square().as_bytes());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let report = json(&output);
+    assert_eq!((&report["poses"], &report["edges"]), (&41.into(), &61.into()));
+    assert_eq!((&report["converged"], &report["outcome"]), (&true.into(), &"converged".into()));
+    assert_eq!(report["degrees_of_freedom"], 3 * 61 - 3 * 40);
+    assert_eq!(
+        (&report["gauge"], &report["undetermined"]),
+        (&serde_json::json!([0]), &serde_json::json!([]))
+    );
+    assert_eq!(report["parts"], serde_json::json!([{"first": 0, "poses": 41}]));
+    let objective = report["objective"].as_f64().unwrap();
+    assert!(objective > 1.0 && report["cost"].as_f64() == Some(objective));
+    let strained = report["strained"].as_array().unwrap();
+    assert!(strained.len() == 10 && strained[0]["chi_square"].as_f64() >= strained[9]["chi_square"].as_f64());
+    assert!(report["covariances"]["40"][0][0].as_f64().unwrap() > 0.0);
+    assert!(["reading", "setup", "relaxing"].iter().all(|part| report["seconds"][part].is_number()));
+}
+
+#[test]
+fn what_is_written_is_the_graph_relaxed() {
+    let (folder, graph) = file("square.g2o", square().as_bytes());
+    let objective = json(&topostar(&["relax", &graph, "--json"]))["objective"].as_f64().unwrap();
+    for name in ["out.g2o", "out.graph"] {
+        let out = folder.path().join(name).to_str().unwrap().to_owned();
+        assert_eq!(topostar(&["relax", &graph, "-o", &out]).status.code(), Some(0));
+        let again = json(&topostar(&["relax", &out, "--start", "guesses", "--json"]));
+        let left = again["objective"].as_f64().unwrap();
+        assert!((left - objective).abs() < 1e-6 * objective, "{name}: {left} {objective}");
+        assert!(again["iterations"].as_u64().unwrap() <= 1, "{name}: {again}");
+        assert_eq!(again["information_order"], if name == "out.g2o" { "g2o" } else { "toro" });
+    }
+    let [tum, svg] = ["out.tum", "out.svg"].map(|name| folder.path().join(name).to_str().unwrap().to_owned());
+    assert_eq!(topostar(&["relax", &graph, "-o", &tum, "--svg", &svg]).status.code(), Some(0));
+    let trajectory = fs::read_to_string(&tum).unwrap();
+    assert_eq!(trajectory.lines().count(), 41);
+    assert!(trajectory.lines().all(|line| line.split(' ').count() == 8 && !line.ends_with(' ')));
+    let picture = fs::read_to_string(&svg).unwrap();
+    assert!(picture.contains("before") && picture.contains("after") && picture.contains("</svg>"));
+}
+
+#[test]
+fn compressed_graphs_are_read_and_broken_ones_refused() {
+    let mut packer = GzEncoder::new(Vec::new(), Compression::default());
+    packer.write_all(square().as_bytes()).unwrap();
+    let packed = packer.finish().unwrap();
+    let (_folder, graph) = file("square.g2o.gz", &packed);
+    assert_eq!(topostar(&["relax", &graph]).status.code(), Some(0));
+    let (_folder, cut) = file("square.g2o.gz", &packed[..packed.len() / 2]);
+    let output = topostar(&["relax", &cut]);
+    assert_eq!(output.status.code(), Some(3), "{}", text(&output.stdout));
+    assert!(text(&output.stderr).contains("cannot be read"), "{}", text(&output.stderr));
+}
+
+/// Nothing that the machine offers may change a bit.
+#[test]
+fn the_same_graph_gives_the_same_bytes() {
+    let (folder, graph) = file("square.g2o", square().as_bytes());
+    let written = |threads: &str| {
+        let out = folder.path().join(format!("{threads}.g2o"));
+        let status = Command::new(env!("CARGO_BIN_EXE_topostar"))
+            .args(["relax", &graph, "-o"])
+            .arg(&out)
+            .env("RAYON_NUM_THREADS", threads)
+            .output()
+            .unwrap()
+            .status;
+        assert!(status.success());
+        fs::read(out).unwrap()
+    };
+    let mut lines: Vec<String> = square().lines().map(str::to_owned).collect();
+    let one = written("1");
+    assert_eq!(one, written("7"));
+    lines.reverse();
+    fs::write(&graph, lines.join("\n")).unwrap();
+    let vertices = |bytes: &[u8]| {
+        let text = text(bytes);
+        text.lines().filter(|line| line.starts_with("VERTEX")).map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(vertices(&one), vertices(&written("2")));
+}
+
+#[test]
+fn what_is_hardly_a_graph_is_relaxed_all_the_same() {
+    let cases = [
+        ("", "0 poses, 0 edges"),
+        ("VERTEX_SE2 5 1 2 3\n", "gauge: pose 5 held"),
+        ("VERTEX_SE2 5 1 2 3\nVERTEX_SE2 9 0 0 0\n", "2 parts, of which nothing tells how they lie"),
+        ("EDGE_SE2 0 1 1 0 0 0 0 0 0 0 9\n", "not determined by what was measured: pose 1"),
+    ];
+    for (graph, said) in cases {
+        let output = fed(&["relax", "-"], graph.as_bytes());
+        assert_eq!(output.status.code(), Some(0), "{graph:?}: {}", text(&output.stderr));
+        assert!(text(&output.stdout).contains(said), "{graph:?}: {}", text(&output.stdout));
+    }
+}
+
+#[test]
+fn faults_are_told_with_line_and_mend() {
+    let output = fed(&["relax", "-"], b"EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\nEDGE_SE2 1 1 1 0 0 1 0 0 1 0 1\n");
+    assert_eq!(output.status.code(), Some(3));
+    assert!(text(&output.stderr).contains("line 2: the edge leads from pose 1 to itself"));
+    let usage = |arguments: &[&str], said: &str| {
+        let output = fed(arguments, square().as_bytes());
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(text(&output.stderr).contains(said), "{arguments:?}: {}", text(&output.stderr));
+    };
+    usage(&["relax", "-", "-o", "out.csv"], "expected .g2o, .graph (TORO) or .tum");
+    usage(&["relax", "-", "--covariance", "400"], "expected a pose of the graph");
+    usage(&["relax", "-", "--loss-width", "-1"], "a number above 0");
+    let output = fed(&["relax", "-", "--max-iterations", "0"], square().as_bytes());
+    assert_eq!(output.status.code(), Some(5));
+    assert!(text(&output.stdout).contains("--max-iterations is reached"));
+    assert_eq!(topostar(&["relax", "/nowhere.g2o"]).status.code(), Some(3));
+}
