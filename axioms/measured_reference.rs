@@ -326,6 +326,7 @@ static QUANTILES: LazyLock<Vec<f64>> = LazyLock::new(|| {
 
 /// All errors of a story estimated at once, with spread one each: three a travel of its own, then three a visit of
 /// where in its place it is, then three of odometry that are the same on all travels. Loops are observations of them.
+#[derive(Clone)]
 struct Estimate<'a> {
     told: &'a Told<'a>,
     /// The displacement, what its own errors do, and what common ones do.
@@ -441,6 +442,46 @@ impl<'a> Estimate<'a> {
         (at, &slope * &self.covariance * slope.transpose())
     }
 
+    /// Whether chi-square grows by more than the gate for a visit to come to any side of a polygon of 24 sides in the
+    /// circle around another.
+    fn stays_within(&self, from: usize, to: usize, radius: f64, gate: f64) -> bool {
+        (0..24).all(|side| {
+            let angle = f64::from(side) / 24.0 * TAU;
+            let way = Vector3::new(angle.cos(), angle.sin(), 0.0);
+            let beyond = |errors: &DVector<f64>| {
+                let seen = self.seen(from, to, errors);
+                Vector3::new(seen.x, seen.y, 0.0).dot(&way) - radius * (TAU / 48.0).cos()
+            };
+            beyond(&self.mean) < 0.0 && self.held(&beyond).is_some_and(|more| more > gate)
+        })
+    }
+
+    /// How much more chi-square is when a function of errors is held at nought, as if that were observed.
+    fn held(&self, function: &dyn Fn(&DVector<f64>) -> f64) -> Option<f64> {
+        let size = self.mean.len();
+        let (weight, stiff) = (self.told.astray().try_inverse().unwrap(), 1e9);
+        let mut held = self.clone();
+        for _ in 0..20 {
+            let mut information = DMatrix::identity(size, size);
+            let mut pull = DVector::zeros(size);
+            for &visit in &held.loops {
+                let (off, slope) = held.linearised(|errors| held.off(visit, errors));
+                information += slope.transpose() * weight * &slope;
+                pull += slope.transpose() * weight * (&slope * &held.mean - off);
+            }
+            let (off, slope) = held.linearised(|errors| Vector3::new(function(errors), 0.0, 0.0));
+            information += slope.transpose() * stiff * &slope;
+            pull += slope.transpose() * stiff * (&slope * &held.mean - off);
+            let mean = information.cholesky()?.solve(&pull);
+            let change = (&mean - &held.mean).amax();
+            held.mean = mean;
+            if change < 1e-3 {
+                return Some(held.chi_square() - self.chi_square());
+            }
+        }
+        None
+    }
+
     /// What the derivatives leave out from one visit to another, on the way on which that is least.
     fn slack(&self, from: usize, to: usize, gate: f64) -> f64 {
         let swing = |visit: usize| {
@@ -467,7 +508,17 @@ impl<'a> Estimate<'a> {
 }
 
 fn loops_close(told: &Told<'_>) -> bool {
-    told.is_new() || !broken(|share| is_open(told, &Estimate::new(told, told.latest(), share)))
+    let open = |share| is_open(told, &Estimate::new(told, told.latest(), share));
+    let unlikely = |share| takes_too_much(told, share);
+    told.is_new() || !(broken(open) || broken(unlikely))
+}
+
+/// Whether chi-square grows by more than its gate, or than all loops together may have, when the last loop closes.
+fn takes_too_much(told: &Told<'_>, share: Share) -> bool {
+    let [before, after] = [0, 1].map(|more| Estimate::new(told, told.latest() + more, share));
+    let all = QUANTILES[(3 * after.loops.len()).div_ceil(2)];
+    let gate = told.bounds.pose_gate.min(all - before.chi_square());
+    after.chi_square() - before.chi_square() > gate
 }
 
 fn is_open(told: &Told<'_>, estimate: &Estimate<'_>) -> bool {
@@ -527,7 +578,7 @@ fn shares_a_spot(told: &Told<'_>, estimate: &Estimate<'_>) -> bool {
     let gate = estimate.left(2).clamp(0.0, told.bounds.position_gate).sqrt();
     let least = if told.is_new() { latest } else { 1 };
     let pairs = (least..=latest).flat_map(|to| (0..to).map(move |from| (from, to)));
-    pairs.filter(|&(from, to)| told.story[from].0 != told.story[to].0).any(|(from, to)| {
+    let farthest = |&(from, to): &(usize, usize)| {
         let (at, covariance) = estimate.pose(from, to);
         let position = Matrix2::new(covariance.m11, covariance.m12, covariance.m21, covariance.m22);
         let root = position.cholesky().unwrap().l();
@@ -537,6 +588,14 @@ fn shares_a_spot(told: &Told<'_>, estimate: &Estimate<'_>) -> bool {
                 (Vector2::new(at.x, at.y) + root * Vector2::new(angle.cos(), angle.sin()) * gate).norm()
             })
             .fold(0.0, f64::max);
-        farthest + estimate.slack(from, to, gate) < separation
-    })
+        (at.xy().norm(), farthest, from, to)
+    };
+    let apart = |&(from, to): &(usize, usize)| told.story[from].0 != told.story[to].0;
+    let pairs: Vec<_> = pairs.filter(apart).map(|pair| farthest(&pair)).collect();
+    let near: Vec<_> = pairs.into_iter().filter(|(off, ..)| *off < separation).collect();
+    let nearest = near.iter().min_by(|a, b| a.1.total_cmp(&b.1));
+    near.iter().any(|&(_, farthest, from, to)| farthest + estimate.slack(from, to, gate) < separation)
+        || nearest.is_some_and(|&(_, farthest, from, to)| {
+            farthest < separation && estimate.stays_within(from, to, separation, gate * gate)
+        })
 }

@@ -6,12 +6,16 @@
 //! certainty has to be closed. A loop closed tells more of all places: then any two visits to different places are
 //! compared. Nothing is said where no likely errors close the loops.
 //!
+//! The far end of the gate is that of first order and of a bound on what it leaves out. Where that bound alone is in the
+//! way, the two visits that first order puts nearest are looked at again by the profile of the likelihood
+//! ([`crate::metric::profile`]).
+//!
 //! [`MetricParameters::separation`]: crate::metric::MetricParameters::separation
 
 use crate::abduction::Outcome;
 use crate::metric::breach::Breach;
 use crate::metric::frames::Story;
-use crate::metric::layout::{Layout, SHARES, Span, in_every};
+use crate::metric::layout::{Layout, Span, in_every};
 
 /// Two visits to different places that share one spot, whatever share of errors explains the loops.
 pub(super) fn breach(story: &Story<'_>) -> Option<Breach> {
@@ -21,9 +25,9 @@ pub(super) fn breach(story: &Story<'_>) -> Option<Breach> {
     let breaches = in_every(|share| {
         let after;
         let layout = match story.outcome {
-            Outcome::NewPlace => story.layout(share)?,
+            Outcome::NewPlace => story.before(share)?,
             _ => {
-                after = Layout::new(story, latest + 1, SHARES[share])?;
+                after = story.after(share)?;
                 &after
             }
         };
@@ -36,29 +40,29 @@ pub(super) fn breach(story: &Story<'_>) -> Option<Breach> {
 /// Two visits that share one spot in a layout.
 fn spot(story: &Story<'_>, layout: &Layout, separation: f64) -> Option<Breach> {
     let latest = story.latest();
-    if story.outcome == Outcome::NewPlace {
-        let mut spans = (0..latest).map(|from| Span { from, to: latest });
-        return spans.find_map(|span| shared(story, layout, span, separation));
+    let gate = layout.left(2, story.parameters.position_gate);
+    // After a loop all visits may lie elsewhere.
+    let least = if story.outcome == Outcome::NewPlace { latest } else { 1 };
+    let pairs = (least..=latest).flat_map(|to| (0..to).map(move |from| Span { from, to }));
+    // The two visits that first order alone puts nearest to each other.
+    let mut nearest: Option<(f64, Span)> = None;
+    for span in pairs.filter(|span| story.place(span.from) != story.place(span.to) && layout.joins(*span)) {
+        let off = layout.poses[span.to].position() - layout.poses[span.from].position();
+        if off.norm() >= separation {
+            continue;
+        }
+        let uncertainty = layout.between(span, gate.sqrt())?;
+        let at_most = uncertainty.at_most(&off, gate.sqrt());
+        if at_most < separation {
+            return Some(Breach::Spot { span, at_most, separation });
+        }
+        let first = at_most - uncertainty.slack;
+        if nearest.is_none_or(|(least, _)| first < least) {
+            nearest = Some((first, span));
+        }
     }
-    let mut pairs = (0..=latest).flat_map(|to| (0..to).map(move |from| Span { from, to }));
-    pairs.find_map(|span| match story.place(span.from) == story.place(span.to) {
-        true => None,
-        false => shared(story, layout, span, separation),
-    })
-}
-
-/// How two visits share one spot, if they do.
-fn shared(story: &Story<'_>, layout: &Layout, span: Span, separation: f64) -> Option<Breach> {
-    if !layout.joins(span) {
-        return None;
-    }
-    let [from, to] = [span.from, span.to].map(|visit| layout.poses[visit].position());
-    if (to - from).norm() >= separation {
-        return None;
-    }
-    let gate = layout.left(2, story.parameters.position_gate).sqrt();
-    let at_most = layout.between(span, gate)?.at_most(&(to - from), gate);
-    (at_most < separation).then_some(Breach::Spot { span, at_most, separation })
+    let (at_most, span) = nearest.filter(|(at_most, _)| *at_most < separation)?;
+    layout.within(span, separation, gate).then_some(Breach::Spot { span, at_most, separation })
 }
 
 /// How far apart two different places are at least.

@@ -18,6 +18,8 @@ pub(super) enum Breach {
     Heading { off: f64, bound: f64, chain: Vec<Step> },
     /// The displacement around a loop.
     Loop { off: Vector3<f64>, chi_square: f64, gate: f64, span: Span },
+    /// The displacement around a loop, once all that was before has given way to it.
+    Loops { chi_square: f64, gate: f64, degrees: usize, span: Span },
     /// The spots of two places.
     Spot { span: Span, at_most: f64, separation: f64 },
 }
@@ -75,6 +77,13 @@ impl Breach {
                     off.x.hypot(off.y),
                     off.z.to_degrees(),
                     story.place(latest),
+                );
+                over(story, *span, words)
+            }
+            Breach::Loops { chi_square, gate, degrees, span } => {
+                let words = format!(
+                    "no likely errors of all travels close this loop and all before it at once: it takes chi-square \
+                     {chi_square:.1} more, gate {gate:.1} for {degrees} degrees of freedom",
                 );
                 over(story, *span, words)
             }

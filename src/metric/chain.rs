@@ -129,5 +129,5 @@ pub(super) fn link(story: &Story<'_>, visit: usize) -> Option<Leg> {
     let (extent, bearing) = (story.parameters.extent_sigma.powi(2), story.parameters.bearing_sigma.powi(2));
     let stay = Matrix3::from_diagonal(&nalgebra::Vector3::new(extent, extent, bearing));
     let pose = Pose::new(0.0, 0.0, story.turn(visit)?);
-    Some(Leg { pose, odometry: Matrix3::zeros(), stay })
+    Some(Leg { pose, odometry: Matrix3::zeros(), causes: Matrix3::zeros(), stay })
 }

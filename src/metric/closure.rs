@@ -3,13 +3,15 @@
 //! A travel that comes to a known place closes a loop. Where it leads is predicted from all travels so far and from
 //! all loops they closed ([`crate::metric::layout`]), which also tell how odometry drifts. The difference, weighed by
 //! the covariance of the prediction and of the travel, stays within its gate, and together with what it took to close
-//! all loops before within the gate of all. Where bearings do not tell how the place is turned, position alone is
-//! judged.
+//! all loops before within the gate of all. What passes is laid out with the loop closed: what chi-square that takes
+//! more, linearised where it leads, stays within the same gates. Where bearings do not tell how the place is turned,
+//! position alone is judged.
 
 use crate::abduction::Outcome;
 use crate::metric::breach::Breach;
 use crate::metric::frames::Story;
 use crate::metric::layout::{Layout, Loop, closed, in_every};
+use crate::metric::uncertainty::quantile;
 use nalgebra::Vector2;
 
 /// How far the latest travel is from where the layout of all before puts its place, if no share explains it.
@@ -20,7 +22,19 @@ pub(super) fn breach(story: &Story<'_>) -> Option<Breach> {
     let latest = story.latest();
     story.stays[latest].travelled?.leg?;
     let closing = closed(story, latest)?;
-    in_every(|share| open(story, story.layout(share)?, &closing))?.pop()
+    let open = in_every(|share| open(story, story.before(share)?, &closing));
+    open.or_else(|| in_every(|share| unlikely(story, share, &closing)))?.pop()
+}
+
+/// How a loop takes more than its gate, or all loops more than theirs, in the layout that closes them.
+fn unlikely(story: &Story<'_>, share: usize, closing: &Loop) -> Option<Breach> {
+    let ((before, known), (after, all)) =
+        (story.before(share)?.chi_square(), story.after(share)?.chi_square());
+    let alone =
+        if closing.turn.is_some() { story.parameters.pose_gate } else { story.parameters.position_gate };
+    let gate = alone.min(quantile(all) - before);
+    let (chi_square, degrees) = (after - before, all - known);
+    (chi_square > gate).then_some(Breach::Loops { chi_square, gate, degrees, span: closing.span })
 }
 
 /// How the loop does not close in a layout.

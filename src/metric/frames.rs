@@ -7,7 +7,8 @@ use crate::metric::MetricParameters;
 use crate::metric::layout::{Layout, SHARES};
 use crate::metric::measurements::Stay;
 use crate::star::SlotIndex;
-use std::cell::OnceCell;
+use std::cell::{OnceCell, RefCell};
+use std::rc::Rc;
 
 /// What a child of a candidate says of all visits up to the one proposed for, the last, with what was measured.
 #[derive(Debug)]
@@ -21,6 +22,16 @@ pub(super) struct Story<'a> {
     /// The first visit to each place.
     first: Vec<usize>,
 }
+
+/// The layouts asked for so far under each of [`SHARES`]: those that all children of a candidate share, and those of
+/// the child asked about last.
+#[derive(Debug, Default)]
+struct Layouts {
+    before: [OnceCell<Option<Layout>>; SHARES.len()],
+    after: RefCell<Option<(Assignment, After)>>,
+}
+
+type After = [OnceCell<Option<Rc<Layout>>>; SHARES.len()];
 
 impl<'a> Story<'a> {
     /// The visits of `stays`, as the branch and the proposal assign them.
@@ -41,9 +52,21 @@ impl<'a> Story<'a> {
     }
 
     /// All visits laid out by the loops closed before the latest travel, under one of [`SHARES`].
-    pub(super) fn layout(&self, share: usize) -> Option<&'a Layout> {
-        let layouts: &[OnceCell<Option<Layout>>; SHARES.len()] = self.branch.measured(Default::default)?;
-        layouts[share].get_or_init(|| Layout::new(self, self.latest(), SHARES[share])).as_ref()
+    pub(super) fn before(&self, share: usize) -> Option<&'a Layout> {
+        let layouts: &Layouts = self.branch.measured(Default::default)?;
+        layouts.before[share].get_or_init(|| Layout::new(self, self.latest(), SHARES[share])).as_ref()
+    }
+
+    /// The same by the loop that the latest travel closes, too.
+    pub(super) fn after(&self, share: usize) -> Option<Rc<Layout>> {
+        let layouts: &Layouts = self.branch.measured(Default::default)?;
+        let mut after = layouts.after.borrow_mut();
+        if after.as_ref().is_none_or(|(last, _)| *last != self.last) {
+            *after = Some((self.last, Default::default()));
+        }
+        let (_, shares) = after.as_mut()?;
+        let make = || Layout::new(self, self.latest() + 1, SHARES[share]).map(Rc::new);
+        shares[share].get_or_init(make).clone()
     }
 
     /// The last visit, which is the one proposed for.

@@ -22,7 +22,7 @@ use crate::geometry::{Pose, Vector, wrap_angle};
 use crate::metric::chain::link;
 use crate::metric::frames::Story;
 use crate::metric::leg::{Leg, lever, rotation};
-use crate::metric::uncertainty::{TAIL, Uncertainty, exceeded, factor, quantile};
+use crate::metric::uncertainty::{TAIL, Uncertainty, exceeded, quantile};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// Two visits; the second one is later.
@@ -43,15 +43,16 @@ pub(super) struct Loop {
 }
 
 /// The visits laid out.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Layout {
-    share: Share,
-    legs: Vec<Option<Leg>>,
+    travels: Vec<Option<Travel>>,
     /// The frame of each visit, in that of the first one since the last travel that was not measured.
     pub(super) poses: Vec<Pose>,
     loops: Vec<Loop>,
     /// The errors of the travels to the visits as estimated.
     errors: Vec<Vector3<f64>>,
+    /// What an error of the travel to each visit is as a twist at the origin.
+    twists: Vec<Matrix3<f64>>,
     /// Sums over the travels up to each visit: covariances of own errors, effects of common ones, estimated errors.
     own: Vec<Matrix3<f64>>,
     common: Vec<Matrix3<f64>>,
@@ -61,6 +62,16 @@ pub(super) struct Layout {
     whitened: DVector<f64>,
     /// The covariances of loops and headings in its units, a column a visit.
     headings: DMatrix<f64>,
+}
+
+/// A travel with the two parts of its error.
+#[derive(Clone, Copy, Debug)]
+struct Travel {
+    pose: Pose,
+    /// The covariance of the part of its own.
+    own: Matrix3<f64>,
+    /// What each cause of the other part does.
+    common: Matrix3<f64>,
 }
 
 /// How much of the variance of heading errors is the same on all travels: at most so much, and at most so much is not.
@@ -92,40 +103,35 @@ pub(super) fn in_every<T>(mut breach: impl FnMut(usize) -> Option<T>) -> Option<
 }
 
 impl Share {
-    /// Of a covariance by odometry: what is new on the travel.
-    fn own(self, odometry: &Matrix3<f64>) -> Matrix3<f64> {
-        let heading = factor(odometry).column(2).into_owned();
-        odometry - heading * heading.transpose() * (1.0 - self.own)
-    }
-
-    /// What is the same on all travels: what each cause does.
-    fn same(self, odometry: &Matrix3<f64>) -> Matrix3<f64> {
-        let mut factor = factor(odometry);
-        factor.column_mut(2).scale_mut(self.same.sqrt());
-        factor
+    fn of(self, leg: &Leg) -> Travel {
+        let heading = leg.causes.column(2);
+        let own = leg.odometry - heading * heading.transpose() * (1.0 - self.own) + leg.stay;
+        let mut common = leg.causes;
+        common.column_mut(2).scale_mut(self.same.sqrt());
+        Travel { pose: leg.pose, own, common }
     }
 }
 
 /// Variance of what is not known, square radians.
 const UNKNOWN: f64 = 1e4;
 /// At most so many linearisations, and the change of an error that ends them.
-const ROUNDS: usize = 20;
+pub(super) const ROUNDS: usize = 20;
 const SETTLED: f64 = 1e-6;
 
 impl Layout {
     /// The layout of all visits of a story by the loops among the first `assigned` ones.
     pub(super) fn new(story: &Story<'_>, assigned: usize, share: Share) -> Option<Layout> {
         let loops: Vec<Loop> = (1..assigned).filter_map(|visit| closed(story, visit)).collect();
-        let legs: Vec<Option<Leg>> = (0..=story.latest())
-            .map(|visit| story.stays[visit].travelled.and_then(|travelled| travelled.leg))
-            .collect();
-        let visits = legs.len();
+        let leg = |visit: usize| story.stays[visit].travelled.as_ref()?.leg.as_ref();
+        let travels: Vec<Option<Travel>> =
+            (0..=story.latest()).map(|visit| leg(visit).map(|leg| share.of(leg))).collect();
+        let visits = travels.len();
         let mut layout = Layout {
-            share,
-            legs,
+            travels,
             poses: vec![Pose::IDENTITY; visits],
             loops: Vec::new(),
             errors: vec![Vector3::zeros(); visits],
+            twists: vec![Matrix3::identity(); visits],
             own: vec![Matrix3::zeros(); visits],
             common: vec![Matrix3::zeros(); visits],
             sums: vec![Vector3::zeros(); visits],
@@ -171,7 +177,7 @@ impl Layout {
 
     /// Whether all travels of the span are measured.
     pub(super) fn joins(&self, span: Span) -> bool {
-        self.legs[span.from + 1..=span.to].iter().all(Option::is_some)
+        self.travels[span.from + 1..=span.to].iter().all(Option::is_some)
     }
 
     /// How far a loop is from being closed, by all the other loops: the displacement and its uncertainty, which is
@@ -197,12 +203,17 @@ impl Layout {
     /// What first order leaves out between two visits (Taylor), metres: the least of what it leaves out along any
     /// chain of travels and of visits to one place (Dijkstra).
     fn slack(&self, span: Span, gate: f64) -> f64 {
-        let swings = self.swings(span.from, gate);
+        self.slacks(span.from, gate)[span.to]
+    }
+
+    /// What first order leaves out between a visit and each.
+    pub(super) fn slacks(&self, from: usize, gate: f64) -> Vec<f64> {
+        let swings = self.swings(from, gate);
         let mut best = vec![f64::INFINITY; self.poses.len()];
         let mut open: Vec<usize> = (0..best.len()).collect();
-        best[span.from] = 0.0;
+        best[from] = 0.0;
         while let Some(at) = open.iter().copied().min_by(|&a, &b| best[a].total_cmp(&best[b])) {
-            if at == span.to || best[at].is_infinite() {
+            if best[at].is_infinite() {
                 break;
             }
             open.retain(|&visit| visit != at);
@@ -221,44 +232,46 @@ impl Layout {
                 }
             }
         }
-        best[span.to]
+        best
     }
 
     /// What first order leaves out of the travel to each visit, seen from one of them.
     fn swings(&self, from: usize, gate: f64) -> Vec<Option<f64>> {
         let swing = |visit: usize| {
-            let (leg, before) = (self.legs[visit]?, visit - 1);
+            let (travel, before) = (self.travels[visit].as_ref()?, visit - 1);
             let known = self.headings.column(before) - self.headings.column(from);
             let span = Span { from: from.min(before), to: from.max(before) };
             let variance = (self.shared(span, span).m33 - known.norm_squared()).max(0.0);
-            Some(leg.pose.x.hypot(leg.pose.y) * gate * gate * variance / 2.0)
+            Some(travel.pose.x.hypot(travel.pose.y) * gate * gate * variance / 2.0)
         };
-        (0..self.legs.len()).map(swing).collect()
+        (0..self.travels.len()).map(swing).collect()
     }
 
     /// Lays out the visits by the errors as estimated.
     fn place(&mut self) {
         for visit in 1..self.poses.len() {
             let before = visit - 1;
-            let Some(leg) = self.legs[visit] else {
+            let Some(travel) = &self.travels[visit] else {
                 self.poses[visit] = Pose::IDENTITY;
                 (self.own[visit], self.common[visit], self.sums[visit]) =
                     (self.own[before], self.common[before], self.sums[before]);
                 continue;
             };
             let error = self.errors[visit];
-            let gone = Pose::new(leg.pose.x - error.x, leg.pose.y - error.y, leg.pose.theta - error.z);
-            self.poses[visit] = self.poses[before].compose(&gone);
-            let moves = lever(&-at(&self.poses[visit])) * rotation(self.poses[before].theta);
-            self.own[visit] =
-                self.own[before] + moves * (self.share.own(&leg.odometry) + leg.stay) * moves.transpose();
-            self.common[visit] = self.common[before] + moves * self.share.same(&leg.odometry);
-            self.sums[visit] = self.sums[before] + moves * error;
+            let gone = Vector3::new(travel.pose.x, travel.pose.y, travel.pose.theta) - error;
+            let (from, turn) = (self.poses[before], rotation(self.poses[before].theta));
+            let to = turn * gone + Vector3::new(from.x, from.y, from.theta);
+            self.poses[visit] = Pose::new(to.x, to.y, to.z);
+            let twist = lever(&-at(&self.poses[visit])) * turn;
+            self.own[visit] = self.own[before] + twist * travel.own * twist.transpose();
+            self.common[visit] = self.common[before] + twist * travel.common;
+            self.sums[visit] = self.sums[before] + twist * error;
+            self.twists[visit] = twist;
         }
     }
 
     /// The covariance of the loops, factored, and their conditions.
-    fn solve(&mut self) -> Option<()> {
+    pub(super) fn solve(&mut self) -> Option<()> {
         let size = 3 * self.loops.len();
         let (mut covariance, mut conditions) = (DMatrix::zeros(size, size), DVector::zeros(size));
         for (i, one) in self.loops.iter().enumerate() {
@@ -274,16 +287,36 @@ impl Layout {
         Some(())
     }
 
+    /// What closes the loops, in units of their covariance.
+    pub(super) fn whitened(&self) -> &DVector<f64> {
+        &self.whitened
+    }
+
+    /// The errors of a span as estimated.
+    pub(super) fn gathered(&self, span: Span) -> Vector3<f64> {
+        self.sums[span.to] - self.sums[span.from]
+    }
+
     /// Estimates the errors anew; the largest change.
     fn adjust(&mut self) -> Option<f64> {
         self.solve()?;
-        let mut pull = self.whitened.clone();
+        self.pulled(self.whitened.clone(), None)
+    }
+
+    /// Estimates the errors by what pulls at the loops, in units of their covariance, and at one more span; the largest
+    /// change.
+    pub(super) fn pulled(
+        &mut self,
+        mut pull: DVector<f64>,
+        beside: Option<(Span, Vector3<f64>)>,
+    ) -> Option<f64> {
         self.root.tr_solve_lower_triangular_mut(&mut pull).then_some(())?;
         let mut bias = Vector3::zeros();
         // What starts and ends to pull at each visit.
         let mut pulls = vec![Vector3::zeros(); self.poses.len() + 1];
-        for (i, Loop { span, .. }) in self.loops.iter().enumerate() {
-            let pull: Vector3<f64> = pull.fixed_rows::<3>(3 * i).into_owned();
+        let loops = self.loops.iter().enumerate();
+        let pulled = loops.map(|(i, one)| (one.span, pull.fixed_rows::<3>(3 * i).into_owned()));
+        for (span, pull) in pulled.chain(beside) {
             bias += (self.common[span.to] - self.common[span.from]).transpose() * pull;
             pulls[span.from + 1] += pull;
             pulls[span.to + 1] -= pull;
@@ -291,10 +324,8 @@ impl Layout {
         let (mut pulled, mut change) = (Vector3::zeros(), 0.0_f64);
         for (visit, pull) in pulls.iter().enumerate().take(self.poses.len()) {
             pulled += pull;
-            let Some(leg) = self.legs[visit] else { continue };
-            let moves = lever(&-at(&self.poses[visit])) * rotation(self.poses[visit - 1].theta);
-            let error = (self.share.own(&leg.odometry) + leg.stay) * moves.transpose() * pulled
-                + self.share.same(&leg.odometry) * bias;
+            let Some(travel) = &self.travels[visit] else { continue };
+            let error = travel.own * (self.twists[visit].transpose() * pulled) + travel.common * bias;
             change = change.max((error - self.errors[visit]).amax());
             self.errors[visit] = error;
         }
@@ -312,7 +343,7 @@ impl Layout {
     }
 
     /// The covariance of the errors of two spans.
-    fn shared(&self, one: Span, other: Span) -> Matrix3<f64> {
+    pub(super) fn shared(&self, one: Span, other: Span) -> Matrix3<f64> {
         let common = |span: Span| self.common[span.to] - self.common[span.from];
         let (from, to) = (one.from.max(other.from), one.to.min(other.to));
         let own = if from < to { self.own[to] - self.own[from] } else { Matrix3::zeros() };
@@ -341,7 +372,7 @@ impl Layout {
     }
 
     /// The covariance of the loops and a span, in units of the loops.
-    fn known(&self, span: Span, closing: Option<&Loop>) -> Option<DMatrix<f64>> {
+    pub(super) fn known(&self, span: Span, closing: Option<&Loop>) -> Option<DMatrix<f64>> {
         let mut covariance = DMatrix::zeros(3 * self.loops.len(), 3);
         for (i, one) in self.loops.iter().enumerate() {
             let stays = closing.map_or(Matrix3::zeros(), |closing| self.stays(one, closing));

@@ -2,6 +2,7 @@
 
 use crate::geometry::{Pose, Vector, direction};
 use crate::metric::MetricParameters;
+use crate::metric::uncertainty::factor;
 use crate::trace::{Motion, Sighting};
 use nalgebra::{Matrix3, Vector3};
 
@@ -13,6 +14,8 @@ pub(super) struct Leg {
     pub(super) pose: Pose,
     /// What odometry is uncertain of. It may be the same error on all travels.
     pub(super) odometry: Matrix3<f64>,
+    /// The factor of that by causes.
+    pub(super) causes: Matrix3<f64>,
     /// What the robot's own turning and wandering at its beginning adds; another one at each place.
     pub(super) stay: Matrix3<f64>,
 }
@@ -57,7 +60,8 @@ impl Travelled {
             false => guessed(&(pose.position() - frame_from_start.position()), parameters),
         };
         let length_covariance = odometry + stay;
-        Travelled::of(pose.position().coords, length_covariance, Some(Leg { pose, odometry, stay }))
+        let leg = Some(Leg { pose, odometry, causes: factor(&odometry), stay });
+        Travelled::of(pose.position().coords, length_covariance, leg)
     }
 
     fn of(displacement: Vector, covariance: Matrix3<f64>, leg: Option<Leg>) -> Travelled {

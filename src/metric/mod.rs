@@ -26,6 +26,7 @@ mod layout;
 mod leg;
 mod measurements;
 mod parameters;
+mod profile;
 mod uncertainty;
 
 pub use measurements::Measurements;

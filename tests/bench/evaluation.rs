@@ -22,7 +22,9 @@ use topostar::worlds::{Drift, StarTrace, corridor_grid, covering_walk, drifting_
 /// Metres from place to place.
 const SPACING: f64 = 10.0;
 /// The most candidates kept; walks that have more are counted for themselves.
-const LIMIT: usize = 300;
+const LIMIT: usize = 1000;
+/// Where so many walks are searched or fewer, the candidates after each observation are printed.
+const FEW: usize = 10;
 /// Of the walks in the smaller grid one in so many is searched, in the larger one a tenth of these.
 const SEARCHED: u64 = 10;
 
@@ -129,6 +131,12 @@ fn print(outcomes: &[Outcome], seconds: f64) {
     }
     let found: Vec<&Found> = outcomes.iter().filter_map(|outcome| outcome.searched.as_ref()).collect();
     let count = |of: fn(&Found) -> bool| found.iter().filter(|found| of(found)).count();
+    let few = found.len() <= FEW;
+    for Outcome { seed, searched, .. } in outcomes.iter().filter(|_| few) {
+        let Some(Found { candidates, whole, .. }) = searched else { continue };
+        let counts: Vec<String> = candidates.iter().map(usize::to_string).collect();
+        println!("    seed {seed}, {}: {}", if *whole { "whole" } else { "cut" }, counts.join(" "));
+    }
     println!(
         "  searched {}, whole within {LIMIT} candidates {}, true map kept {}, preferred {}, alone {}",
         found.len(),
