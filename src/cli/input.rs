@@ -2,13 +2,16 @@
 
 use crate::cli::failure::Failure;
 use crate::cli::log::{LogArgs, LogScans, is_log, read_log};
+use crate::geometry::Pose;
+use crate::patchwork::assembly::Stop;
+use crate::patchwork::drive::{Drive, DriveRecorder};
 use crate::sensor::log::LogError;
 use crate::sensor::{LaserScan, LocalPose, ScanMatcher};
 use crate::trace::recording::{Arrival, Recorder};
 use crate::trace::{Event, read_lines};
 use crate::visit::relations::{Relation, Track};
 use crate::visit::truth::Timetable;
-use crate::visit::{AnnotatedVisits, Stage, VisitDetector, VisitParameters};
+use crate::visit::{AnnotatedVisits, Stage, Visit, VisitDetector, VisitParameters};
 use bzip2::read::MultiBzDecoder;
 use flate2::read::MultiGzDecoder;
 use std::fs::File;
@@ -28,6 +31,15 @@ pub(super) struct Events {
     pub(super) timetable: Timetable,
     /// Where the robot was at the scans of a log.
     pub(super) track: Track,
+    /// The way of a log; empty for a trace.
+    pub(super) way: Way,
+}
+
+/// The way of a log, and its visits.
+#[derive(Default)]
+pub(super) struct Way {
+    pub(super) drive: Drive,
+    pub(super) stops: Vec<Stop>,
 }
 
 /// The events of a trace, or of the visits in a log: those that are found, or those at the arrivals given.
@@ -63,12 +75,14 @@ fn found_visits(input: &Path, mut log: LogScans) -> Result<Events, Failure> {
     let parameters = VisitParameters::default();
     let mut detector = VisitDetector::new(parameters).map_err(|error| bad(&error))?;
     let (mut stages, mut track) = (Vec::new(), Track::default());
+    let mut drive = DriveRecorder::new(parameters.matching.max_range);
     let fault = feed(&mut log, ScanMatcher::new(parameters.matching), |scan, pose| {
         stages.extend(detector.add_placed(scan, pose));
         detector.now().into_iter().for_each(|now| track.add(scan, now));
+        drive.add(scan, pose);
     });
     stages.extend(detector.finish());
-    Ok(Events { track, ..Events::of(input, &log, stages, fault)? })
+    Events::of(input, &log, stages, fault).map(|events| events.along(track, drive))
 }
 
 /// The events of a log up to its first fault; arrivals after that are left out.
@@ -78,9 +92,11 @@ fn visits_at(input: &Path, mut log: LogScans, visits: &Path) -> Result<Events, F
     let parameters = VisitParameters::default();
     let mut marked = AnnotatedVisits::new(arrivals, &parameters).map_err(|error| bad(&error))?;
     let (mut stages, mut track) = (Vec::new(), Track::default());
+    let mut drive = DriveRecorder::new(parameters.matching.max_range);
     let fault = feed(&mut log, ScanMatcher::new(parameters.matching), |scan, pose| {
         stages.extend(marked.add_placed(scan, pose));
         marked.now().into_iter().for_each(|now| track.add(scan, now));
+        drive.add(scan, pose);
     });
     let (last, beyond) = marked.finish();
     stages.extend(last);
@@ -88,7 +104,7 @@ fn visits_at(input: &Path, mut log: LogScans, visits: &Path) -> Result<Events, F
     if let Some(error) = beyond.filter(|_| fault.is_none()) {
         return Err(bad(&error));
     }
-    Ok(Events { track, ..Events::of(input, &log, stages, fault)? })
+    Events::of(input, &log, stages, fault).map(|events| events.along(track, drive))
 }
 
 /// Marked arrivals, from CSV.
@@ -146,11 +162,28 @@ impl Events {
         let mut recorder = Recorder::default();
         for stage in stages {
             events.timetable.add(&stage);
+            events.way.stops.push(stop(&stage));
             let recorded = recorder.add(stage).into_iter();
             events.events.extend(recorded.map(|event| (format!("event {} of the log", event.seq), event)));
         }
         Ok(events)
     }
+}
+
+impl Events {
+    /// The same with the way they were on.
+    fn along(mut self, track: Track, drive: DriveRecorder) -> Events {
+        self.track = track;
+        self.way.drive = drive.finish();
+        self
+    }
+}
+
+/// Where a visit is on the way. Its LPM has the axes of the local frame.
+fn stop(stage: &Stage) -> Stop {
+    let Visit { center, arrival, departure, .. } = &stage.visit;
+    let scan = arrival.scan + (departure.scan.max(arrival.scan) - arrival.scan) / 2;
+    Stop { scan, local_from_visit: Pose { x: center.x, y: center.y, theta: 0.0 } }
 }
 
 /// A file, decompressed by its ending; `-` is standard input.

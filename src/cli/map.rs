@@ -7,6 +7,7 @@ use crate::cli::classic::{self, is_of_views};
 use crate::cli::failure::Failure;
 use crate::cli::input::{Events, read_arrivals, read_events};
 use crate::cli::log::{LogArgs, is_log};
+use crate::cli::patchwork::{Patchwork, patchwork};
 use crate::cli::poses::{pose_errors, poses_in_words};
 use crate::cli::standstill::{Stopped, before_in_words, pictures, stopped};
 use crate::cli::words::{certainty, in_words, reasons_in_words, truth_in_words};
@@ -83,7 +84,8 @@ pub(super) struct Map {
     /// An operator's word after the trace: two observations, counted from 0, are (=) or are not (!=) one place.
     #[arg(long = "assert", value_name = "A=B|A!=B")]
     asserts: Vec<Said>,
-    /// Write trace.ndjson, report.json, map.txt and map.svg there.
+    /// Write trace.ndjson, report.json, map.txt and map.svg there; where travels were measured, also the patchwork, all
+    /// that was seen as one grid for map_server, and of a log the way of the robot in it (trajectory.tum).
     #[arg(short, long, value_name = "DIR")]
     pub(super) output: Option<PathBuf>,
 }
@@ -110,12 +112,16 @@ impl Map {
             Theory::Stars(axioms, strategy) => (axioms, strategy),
         };
         let (timetable, track) = (std::mem::take(&mut input.timetable), std::mem::take(&mut input.track));
+        let way = std::mem::take(&mut input.way);
         let Explained { events, session, fault } = self.search(input, axioms, strategy)?;
         let report = session.abduction().report();
         let mut wire = export::Report::new(&report);
         wire.explain = self.reasons(session.abduction())?.map(Box::new);
         wire.truth = self.compared(&timetable, &session, wire.preferred.as_ref())?.map(Box::new);
-        wire.poses = self.pose_errors(&track)?.map(Box::new);
+        let preferred = report.minimal.first();
+        let patchwork = preferred.map(|map| patchwork(&events, &map.visits, &way)).transpose()?.flatten();
+        wire.strain = patchwork.as_ref().map(|patchwork| Box::new(patchwork.strain.clone()));
+        wire.poses = self.pose_errors(&track, patchwork.as_ref())?.map(Box::new);
         let stopped = stopped(&session, &events, limits())?;
         wire.standstill = stopped.as_ref().map(|stopped| Box::new(stopped.why.clone()));
         wire.seconds = Some(started.elapsed().as_secs_f64());
@@ -130,7 +136,9 @@ impl Map {
             }
         }
         if let Some(folder) = &self.output {
-            write_files(folder, &events, &report, &wire, stopped.as_ref())?;
+            let mut files = files(&events, &report, &wire, stopped.as_ref())?;
+            files.extend(patchwork.map_or_else(|| Ok(Vec::new()), |patchwork| patchwork.files())?);
+            written(folder, files)?;
         }
         fault.map_or_else(|| verdict(&report), Err)
     }
@@ -184,12 +192,16 @@ impl Map {
     }
 
     /// How far the poses are off, if relations are given.
-    fn pose_errors(&self, track: &Track) -> Result<Option<PoseErrors>, Failure> {
+    fn pose_errors(
+        &self,
+        track: &Track,
+        patchwork: Option<&Patchwork>,
+    ) -> Result<Option<PoseErrors>, Failure> {
         let Some(file) = &self.relations else { return Ok(None) };
         if !is_log(&self.input) {
             return Err(self.misfit("is no log, and --relations is about the poses in a log"));
         }
-        pose_errors(track, file).map(Some)
+        pose_errors(track, patchwork, file).map(Some)
     }
 
     fn misfit(&self, what: &str) -> Failure {
@@ -286,13 +298,13 @@ fn json(report: &export::Report) -> Result<String, Failure> {
     serde_json::to_string_pretty(report).map_err(|error| Failure::Broken(error.to_string()))
 }
 
-fn write_files(
-    folder: &Path,
+/// What there is to be written of a map, by name.
+fn files(
     events: &[Arc<Event>],
     report: &Report,
     wire: &export::Report,
     stopped: Option<&Stopped>,
-) -> Result<(), Failure> {
+) -> Result<Vec<(String, Vec<u8>)>, Failure> {
     let mut trace = Vec::new();
     events.iter().try_for_each(|event| write_event(&mut trace, event))?;
     let mut files =
@@ -313,7 +325,7 @@ fn write_files(
         files.push(("map.txt".into(), map_text(&map).into_bytes()));
         files.push(("map.svg".into(), map_svg(&map, "Preferred map", &certainty).into_bytes()));
     }
-    written(folder, files)
+    Ok(files)
 }
 
 /// Writes files into a folder and says so.

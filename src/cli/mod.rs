@@ -14,6 +14,7 @@ mod failure;
 mod input;
 mod log;
 mod map;
+mod patchwork;
 mod poses;
 mod relax;
 mod serve;

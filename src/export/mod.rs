@@ -18,9 +18,11 @@ mod relaxation;
 mod report;
 mod sheet;
 mod standstill;
+mod strain;
 mod extraction;
 mod extraction_svg;
 mod layout;
+mod map_server;
 mod map_svg;
 mod map_text;
 mod truth;
@@ -39,6 +41,7 @@ pub use graph::{
     MapGraph,
 };
 pub use layout::Layout;
+pub use map_server::{map_pgm, map_png, map_yaml};
 pub use map_svg::map_svg;
 pub use map_text::{map_text, place_type};
 pub use outlook::{Outlook, PredictedSlot, Prediction, Prospect};
@@ -50,6 +53,7 @@ pub use report::{
     Assertion, Bound, Count, Extinction, Preferred, Relation, Report, StopReason, Strategy, profile_name,
 };
 pub use standstill::{Dissenting, Doubt, Standstill, standstill_text};
+pub use strain::{MapStrain, StrainedSpan};
 pub use truth::{Mark, Repeated, Truth};
 pub use view_report::{PreferredViews, ViewReport, ViewStopReason, ViewStrategy};
 pub use view_text::view_text;

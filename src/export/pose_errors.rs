@@ -24,6 +24,12 @@ pub struct PoseErrorRow {
     pub odometry: PoseError,
     /// Of the poses of scan matching.
     pub matched: PoseError,
+    /// Of the patchwork that the preferred map makes of them; absent where there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub by_map: Option<PoseError>,
+    /// Of the patchwork once scans of different passes have been laid onto each other.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub by_scans: Option<PoseError>,
 }
 
 /// How large errors of displacements are; 0 where there are none.

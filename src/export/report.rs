@@ -1,7 +1,7 @@
 //! The report of an abduction: the one stable object of `map --json`.
 
 use crate::abduction::{self, AxiomSet, Candidate, OPERATOR, Profile};
-use crate::export::{Explanation, PoseErrors, Standstill, Truth};
+use crate::export::{Explanation, MapStrain, PoseErrors, Standstill, Truth};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use utoipa::ToSchema;
@@ -56,6 +56,10 @@ pub struct Report {
     /// How far the poses of a log are off; the command line fills it in where `--relations` asks for it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub poses: Option<Box<PoseErrors>>,
+    /// What strains the preferred map once its local frames are relaxed; the command line fills it in where travels
+    /// were measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub strain: Option<Box<MapStrain>>,
     /// Why no map explains the whole trace, and the map of what was before; the command line fills it in where the
     /// last candidate was refuted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -222,6 +226,7 @@ impl Report {
             explain: None,
             truth: None,
             poses: None,
+            strain: None,
             standstill: None,
             seconds: None,
         }

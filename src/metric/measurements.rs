@@ -1,12 +1,14 @@
 //! The measurements of a trace, growing by a visit at a time.
 
 use crate::abduction::{AxiomId, Clash, Evidence, Proposal};
+use crate::geometry::Pose;
 use crate::metric::breach::Breach;
 use crate::metric::frames::Story;
 use crate::metric::leg::Travelled;
 use crate::metric::{MetricParameters, angle, apart, closure, distance};
 use crate::star::SlotIndex;
 use crate::trace::Sighting;
+use nalgebra::Matrix3;
 use std::sync::Arc;
 
 /// What was measured on a trace, from its first observation to the latest.
@@ -63,6 +65,18 @@ impl Measurements {
     /// Whether any travel was measured.
     pub fn any(&self) -> bool {
         self.since.is_some()
+    }
+
+    /// The travel to each observation as measured: the frame of the observation in that of the one before, and the
+    /// covariance of x, y, heading in the latter. Frames have the axes of the observation and their origin at the point
+    /// of the place. `None` for the first observation, and where the heading at its beginning or the travel was not
+    /// measured.
+    pub fn displacements(&self) -> Vec<Option<(Pose, Matrix3<f64>)>> {
+        let displacement = |stay: &Arc<Stay>| {
+            let leg = stay.travelled?.leg?;
+            Some((leg.pose, leg.odometry + leg.stay))
+        };
+        self.stays.iter().map(displacement).collect()
     }
 
     /// These measurements as evidence, if there are any.

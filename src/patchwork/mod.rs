@@ -12,12 +12,18 @@
 //!
 //! The gauge is fixed by holding poses where they are: those that the graph says, else the first of each part.
 
+pub mod agreement;
+pub mod alignment;
+pub mod assembly;
 mod blocks;
 mod descent;
+pub mod drive;
 pub mod format;
 mod graph;
 mod growing;
+pub mod local_frames;
 mod loss;
+pub mod merged;
 mod parts;
 mod problem;
 mod relax;
@@ -25,6 +31,8 @@ mod singular;
 mod start;
 mod strain;
 mod structure;
+pub mod submap;
+pub mod survey;
 mod system;
 
 pub use graph::{Edge, GraphError, MAX_POSES, PoseGraph, PoseId};

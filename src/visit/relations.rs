@@ -127,6 +127,17 @@ impl Track {
         });
     }
 
+    /// The same way with other poses in place of those of scan matching, scan by scan; the scans beyond them are left
+    /// out.
+    #[must_use]
+    pub fn relaid(&self, poses: impl IntoIterator<Item = Pose>) -> Track {
+        let steps =
+            self.steps.iter().zip(poses).map(|(step, matched)| Step { matched, ..*step }).collect::<Vec<_>>();
+        let at =
+            self.at.iter().filter(|(_, at)| **at < steps.len()).map(|(stamp, at)| (*stamp, *at)).collect();
+        Track { steps, at }
+    }
+
     /// How far the poses are off, where what was seen `memory` metres of driving ago is forgotten.
     pub fn compare(&self, relations: &[Relation], memory: f64) -> PoseErrors {
         let step = |stamp: f64| self.at.get(&micros(stamp)).map(|&at| &self.steps[at]);

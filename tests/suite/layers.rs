@@ -21,7 +21,7 @@ const MATRIX: &[(&str, Imports)] = &[
     ("map", Only(&["star"])),
     ("abduction", Only(&["star", "map"])),
     ("metric", Only(&["geometry", "star", "trace", "map", "abduction"])),
-    ("patchwork", Only(&["geometry"])),
+    ("patchwork", AllBut(&["gateway", "worlds", "map"])),
     ("classic", Only(&["abduction"])),
     ("reference", Only(&["geometry", "star", "trace", "abduction", "metric", "classic"])),
     ("explanation", Only(&["star", "map", "abduction"])),

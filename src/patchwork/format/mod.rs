@@ -10,7 +10,7 @@ mod read;
 mod write;
 
 pub use read::{FormatError, ReadGraph, read_graph};
-pub use write::{write_g2o, write_toro, write_tum};
+pub use write::{write_g2o, write_toro, write_trajectory, write_tum};
 
 /// The order of the six numbers of an information matrix on a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,8 +1,9 @@
 //! Writing graphs and trajectories. Numbers are the shortest that read back to the last bit.
 
+use crate::geometry::Pose;
 use crate::patchwork::format::InformationOrder;
 use crate::patchwork::graph::{Edge, PoseGraph};
-use std::fmt::Write;
+use std::fmt::{Display, Write};
 
 /// The graph in g2o's format, its guesses as vertices; `FIX` for each pose held.
 pub fn write_g2o(graph: &PoseGraph) -> String {
@@ -20,12 +21,20 @@ pub fn write_toro(graph: &PoseGraph) -> String {
 
 /// The guesses as a TUM trajectory: `stamp x y z qx qy qz qw`, the number of the pose for a stamp.
 pub fn write_tum(graph: &PoseGraph) -> String {
+    let known = graph.ids().iter().zip(graph.guesses());
+    trajectory(known.filter_map(|(id, guess)| Some((id, (*guess)?))))
+}
+
+/// Poses with their stamps, seconds, as a TUM trajectory.
+pub fn write_trajectory(poses: &[(f64, Pose)]) -> String {
+    trajectory(poses.iter().copied())
+}
+
+fn trajectory(poses: impl Iterator<Item = (impl Display, Pose)>) -> String {
     let mut text = String::new();
-    for (id, guess) in graph.ids().iter().zip(graph.guesses()) {
-        if let Some(pose) = guess {
-            let (sin, cos) = (pose.theta / 2.0).sin_cos();
-            line(&mut text, format_args!("{id} {} {} 0 0 0 {sin} {cos}", pose.x, pose.y));
-        }
+    for (stamp, pose) in poses {
+        let (sin, cos) = (pose.theta / 2.0).sin_cos();
+        line(&mut text, format_args!("{stamp} {} {} 0 0 0 {sin} {cos}", pose.x, pose.y));
     }
     text
 }

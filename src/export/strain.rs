@@ -1,0 +1,55 @@
+//! What strains a map once its local frames are relaxed into one patchwork.
+
+use crate::patchwork::Outcome;
+use crate::patchwork::local_frames::LocalFrames;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+/// The strain of a map: how far travels and closures are from agreeing, in units of their uncertainty. It ranks nothing
+/// that the axioms have not left equal.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct MapStrain {
+    /// Chi-square of all edges.
+    pub chi_square: f64,
+    /// Numbers measured less numbers sought.
+    pub degrees_of_freedom: usize,
+    /// Whether relaxation has come to rest.
+    pub converged: bool,
+    /// The pose of the place of each observation on that visit, in the frame of the first: x, y in metres and heading in
+    /// radians. Axes are those of the observation.
+    pub poses: Vec<[f64; 3]>,
+    /// What each travel and each closure is strained by.
+    pub edges: Vec<StrainedSpan>,
+}
+
+/// The strain between two observations.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct StrainedSpan {
+    /// The two observations.
+    pub observations: [usize; 2],
+    /// Whether this is the travel between them, or else that both are at one place.
+    pub travelled: bool,
+    /// Its chi-square.
+    pub chi_square: f64,
+    /// How many numbers it measures.
+    pub degrees_of_freedom: usize,
+}
+
+impl MapStrain {
+    /// Of a candidate relaxed.
+    pub fn of(frames: &LocalFrames) -> MapStrain {
+        let span = |edge: &crate::patchwork::local_frames::EdgeStrain| StrainedSpan {
+            observations: edge.visits,
+            travelled: edge.travelled,
+            chi_square: edge.strain.chi_square,
+            degrees_of_freedom: edge.strain.degrees_of_freedom,
+        };
+        MapStrain {
+            chi_square: frames.strain.chi_square,
+            degrees_of_freedom: frames.strain.degrees_of_freedom,
+            converged: frames.outcome == Outcome::Converged,
+            poses: frames.poses.iter().map(|pose| [pose.x, pose.y, pose.theta]).collect(),
+            edges: frames.strains.iter().map(span).collect(),
+        }
+    }
+}

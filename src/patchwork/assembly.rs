@@ -1,0 +1,184 @@
+//! From a map and a drive to a pose graph: what the map says is one place is one place.
+
+use crate::geometry::Pose;
+use crate::patchwork::alignment::{Alignment, moved, settle};
+use crate::patchwork::drive::{Drive, Frame, adjoint};
+use crate::patchwork::submap::Submap;
+use crate::patchwork::{
+    Edge, GraphError, Loss, PoseGraph, PoseId, RelaxError, RelaxOptions, Relaxation, Start, relax,
+};
+use nalgebra::{Matrix3, Vector3};
+
+/// A visit within a drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stop {
+    /// Index of a scan at which the robot was there.
+    pub scan: usize,
+    /// The frame of the visit, its origin at the point of the place, in the local frame of scan matching.
+    pub local_from_visit: Pose,
+}
+
+/// Two visits to one place, and how their frames lie.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Closure {
+    /// Number of the earlier visit, and of the later one.
+    pub visits: [usize; 2],
+    /// The frame of the later one in that of the earlier one.
+    pub alignment: Alignment,
+}
+
+/// A drive relaxed: where its frames lie.
+#[derive(Clone, Debug)]
+pub struct RelaxedDrive {
+    /// The frames by odometry, scan matching and the closures of the map alone, and how strained they are.
+    pub by_map: Relaxation,
+    /// The same once frames of different passes have been laid onto each other.
+    pub by_scans: Relaxation,
+    /// How many pairs of frames that were.
+    pub passes: usize,
+}
+
+/// A loss that lets go of what is more than so many standard deviations off: two passes may see different things.
+const ROBUST: Loss = Loss::Cauchy { width: 3.0 };
+
+impl RelaxedDrive {
+    /// Relaxes a drive in which places were recognised.
+    pub fn new(drive: &Drive, stops: &[Stop], closures: &[Closure]) -> Result<RelaxedDrive, RelaxError> {
+        let mut graph = graph(drive, stops, closures)?;
+        let by_map = relax(&graph, &RelaxOptions::default())?;
+        let found = passes(drive, &by_map.poses);
+        let passes = found.len();
+        graph = graph.with_guesses(&by_map.poses);
+        found.into_iter().try_for_each(|edge| graph.add_edge(edge))?;
+        let options = RelaxOptions { start: Start::Guesses, loss: ROBUST, ..RelaxOptions::default() };
+        let by_scans = relax(&graph, &options)?;
+        Ok(RelaxedDrive { by_map, by_scans, passes })
+    }
+}
+
+/// Rounding, as a variance: no displacement is known better, metres and radians squared.
+const LEAST: f64 = 1e-7;
+/// The walls around a frame are those seen on so many metres of driving before and after.
+const AROUND: f64 = 4.0;
+/// Frames are compared where the robot was within so many metres, and had driven so many in between.
+const NEAR: f64 = 4.0;
+const APART: f64 = 15.0;
+/// A turned frame counts as so many metres for each radian.
+const TURNED: f64 = 0.3;
+/// Every so many frames one is compared, with one frame of each pass.
+const EVERY: usize = 2;
+const PASS: f64 = 10.0;
+/// How uncertain the patchwork is where two passes are compared: metres and radians, one standard deviation.
+const LOOSE: [f64; 2] = [0.5, 0.1];
+/// Fewer walls than these do not fix a frame.
+const ENOUGH: usize = 40;
+
+/// The graph of a drive in which places were recognised: a pose for each frame, in their order. Linear in the frames.
+pub fn graph(drive: &Drive, stops: &[Stop], closures: &[Closure]) -> Result<PoseGraph, GraphError> {
+    let mut graph = PoseGraph::new();
+    for (number, frame) in (0..).zip(drive.frames()) {
+        graph.add_pose(PoseId(number), Some(frame.local_from_robot))?;
+    }
+    for (before, pair) in (0..).zip(drive.frames().windows(2)) {
+        graph.add_edge(driven(before, &pair[0], &pair[1]))?;
+    }
+    for closure in closures {
+        if let Some(edge) = closing(drive, stops, closure) {
+            graph.add_edge(edge)?;
+        }
+    }
+    Ok(graph)
+}
+
+fn driven(before: u64, from: &Frame, to: &Frame) -> Edge {
+    let covariance = to.drift + Matrix3::from_diagonal_element(LEAST);
+    Edge {
+        from: PoseId(before),
+        to: PoseId(before + 1),
+        displacement: from.local_from_robot.inverse().compose(&to.local_from_robot),
+        information: symmetric(covariance.try_inverse().unwrap_or_else(Matrix3::zeros)),
+    }
+}
+
+/// A closure, between the frames of the way that are nearest to the two visits.
+fn closing(drive: &Drive, stops: &[Stop], closure: &Closure) -> Option<Edge> {
+    let [one, other] = closure.visits.map(|visit| {
+        let stop = stops.get(visit)?;
+        let frame = drive.frame_at(stop.scan)?;
+        let visit_from_frame =
+            stop.local_from_visit.inverse().compose(&drive.frames()[frame].local_from_robot);
+        Some((frame, visit_from_frame))
+    });
+    let ((from, one_from_frame), (to, other_from_frame)) = (one?, other?);
+    let displacement = one_from_frame.inverse().compose(&closure.alignment.pose).compose(&other_from_frame);
+    let felt = adjoint(&other_from_frame);
+    let information = felt.transpose() * closure.alignment.information * felt;
+    (from != to).then(|| Edge {
+        from: PoseId(from as u64),
+        to: PoseId(to as u64),
+        displacement,
+        information: symmetric(information),
+    })
+}
+
+/// The second relaxation: what frames of different passes through one stretch see of each other, as they lie now
+/// (`poses`, by frame).
+pub fn passes(drive: &Drive, poses: &[Pose]) -> Vec<Edge> {
+    let trust = Vector3::new(LOOSE[0], LOOSE[0], LOOSE[1]).map(|sigma| 1.0 / (sigma * sigma));
+    let trust = Matrix3::from_diagonal(&trust);
+    let edge = |(from, to): (usize, usize)| {
+        let seen = Submap::new(drive.frames()[to].walls.iter().copied());
+        let start = poses[from].inverse().compose(&poses[to]);
+        let found = settle(&seen, &around(drive, poses, from), start, &trust)?;
+        (found.is_same() && drive.frames()[to].walls.len() >= ENOUGH).then(|| Edge {
+            from: PoseId(from as u64),
+            to: PoseId(to as u64),
+            displacement: found.pose,
+            information: symmetric(found.information),
+        })
+    };
+    (0..drive.frames().len().min(poses.len()))
+        .step_by(EVERY)
+        .flat_map(|to| partners(drive, poses, to))
+        .filter_map(edge)
+        .collect()
+}
+
+/// The nearest frame of each earlier pass near a frame.
+fn partners(drive: &Drive, poses: &[Pose], to: usize) -> Vec<(usize, usize)> {
+    let frames = drive.frames();
+    let away = |from: usize| {
+        let between = poses[from].inverse().compose(&poses[to]);
+        between.x.hypot(between.y) + TURNED * between.theta.abs()
+    };
+    let mut near: Vec<(f64, usize)> = (0..to)
+        .filter(|&from| frames[to].driven - frames[from].driven > APART)
+        .map(|from| (away(from), from))
+        .filter(|(away, _)| *away < NEAR)
+        .collect();
+    near.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut taken: Vec<usize> = Vec::new();
+    for (_, from) in near {
+        if taken.iter().all(|&other| (frames[from].driven - frames[other].driven).abs() >= PASS) {
+            taken.push(from);
+        }
+    }
+    taken.into_iter().map(|from| (from, to)).collect()
+}
+
+/// The walls around a frame, in that frame, as seen on the way near it.
+fn around(drive: &Drive, poses: &[Pose], frame: usize) -> Submap {
+    let frames = drive.frames();
+    let at = frames[frame].driven;
+    let first = frames.partition_point(|other| other.driven <= at - AROUND);
+    let last = frames.partition_point(|other| other.driven < at + AROUND);
+    let back = poses[frame].inverse();
+    Submap::new((first..last).flat_map(|other| {
+        let pose = back.compose(&poses[other]);
+        frames[other].walls.iter().map(move |surface| moved(surface, &pose))
+    }))
+}
+
+fn symmetric(matrix: Matrix3<f64>) -> Matrix3<f64> {
+    (matrix + matrix.transpose()) / 2.0
+}

@@ -1,0 +1,248 @@
+//! The graph of a candidate map: a frame for each visit, joined by travels as measured and by what visits to one place
+//! show of each other (seed, section 2.3).
+
+use crate::abduction::Assignment;
+use crate::geometry::Pose;
+use crate::patchwork::agreement::Neighbourhood;
+use crate::patchwork::alignment::Alignment;
+use crate::patchwork::assembly::Closure;
+use crate::patchwork::drive::turned;
+use crate::patchwork::{
+    Edge, GraphError, Outcome, PoseGraph, PoseId, RelaxError, RelaxOptions, Strain, relax,
+};
+use nalgebra::Matrix3;
+use std::collections::BTreeMap;
+
+/// A measured travel from the frame of one visit to that of the next: the displacement, and its covariance in the frame
+/// it begins in.
+pub type Displacement = (Pose, Matrix3<f64>);
+
+/// What visits show of each other, remembered: candidates ask for the same pairs.
+#[derive(Clone, Debug)]
+pub struct Agreements {
+    visits: Vec<Neighbourhood>,
+    /// Standard deviations of the middle of a place, metres, and of a bearing, radians, as found on one visit.
+    sigmas: [f64; 2],
+    known: BTreeMap<(usize, usize, u8), Option<Alignment>>,
+}
+
+impl Agreements {
+    /// Of visits in their order.
+    pub fn new(visits: Vec<Neighbourhood>, sigmas: [f64; 2]) -> Self {
+        Agreements { visits, sigmas, known: BTreeMap::new() }
+    }
+
+    /// The closures of a candidate: each visit to a known place, with the first visit there.
+    pub fn closures(&mut self, candidate: &[Assignment]) -> Vec<Closure> {
+        let mut first: BTreeMap<usize, usize> = BTreeMap::new();
+        let mut closures = Vec::new();
+        for (visit, assigned) in candidate.iter().enumerate() {
+            let known = *first.entry(assigned.place.index()).or_insert(visit);
+            let Some(alignment) =
+                (known < visit).then(|| self.between(known, visit, assigned.rotation)).flatten()
+            else {
+                continue;
+            };
+            closures.push(Closure { visits: [known, visit], alignment });
+        }
+        closures
+    }
+
+    fn between(&mut self, first: usize, later: usize, rotation: u8) -> Option<Alignment> {
+        let (one, other) = (self.visits.get(first)?, self.visits.get(later)?);
+        let find = || one.agreement(other, usize::from(rotation), self.sigmas);
+        *self.known.entry((first, later, rotation)).or_insert_with(find)
+    }
+}
+
+/// The graph of a candidate: a pose for each visit, in their order. `travels` has one for each visit, of the travel that
+/// led to it.
+pub fn graph(travels: &[Option<Displacement>], closures: &[Closure]) -> Result<PoseGraph, GraphError> {
+    let mut graph = PoseGraph::new();
+    for visit in 0..travels.len() {
+        graph.add_pose(PoseId(visit as u64), None)?;
+    }
+    for (visit, travel) in travels.iter().enumerate().skip(1) {
+        let Some((displacement, covariance)) = travel else { continue };
+        // Edges weigh errors as they are seen at their end.
+        let turned = turned(-displacement.theta);
+        let covariance = turned * covariance * turned.transpose();
+        let Some(information) = covariance.try_inverse() else { continue };
+        let [from, to] = [visit - 1, visit].map(|visit| PoseId(visit as u64));
+        let information = (information + information.transpose()) / 2.0;
+        graph.add_edge(Edge { from, to, displacement: *displacement, information })?;
+    }
+    for Closure { visits, alignment } in closures {
+        let [from, to] = visits.map(|visit| PoseId(visit as u64));
+        let information = (alignment.information + alignment.information.transpose()) / 2.0;
+        graph.add_edge(Edge { from, to, displacement: alignment.pose, information })?;
+    }
+    Ok(graph)
+}
+
+/// A candidate map relaxed: where the frames of its visits lie, and what strains them.
+#[derive(Clone, Debug)]
+pub struct LocalFrames {
+    /// The frame of each visit, in that of the first visit of its part.
+    pub poses: Vec<Pose>,
+    /// The closures it rests on.
+    pub closures: Vec<Closure>,
+    /// The strain of each edge: first the travels measured, in their order, then the closures.
+    pub strains: Vec<EdgeStrain>,
+    /// The strain of all: the objective, with as many degrees of freedom as numbers are measured beyond those sought.
+    pub strain: Strain,
+    /// How relaxation ended.
+    pub outcome: Outcome,
+    /// The first visit of each part that nothing measured joins to those before: where a travel was not measured.
+    pub parts: Vec<usize>,
+}
+
+/// What one edge is strained by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EdgeStrain {
+    /// The two visits it joins.
+    pub visits: [usize; 2],
+    /// Whether it is a travel, or else what two visits to one place show of each other.
+    pub travelled: bool,
+    /// How much.
+    pub strain: Strain,
+}
+
+/// Why a candidate was not relaxed.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum LocalFramesError {
+    /// A measurement is none.
+    #[error(transparent)]
+    Graph(#[from] GraphError),
+    /// The graph is too large.
+    #[error(transparent)]
+    Relax(#[from] RelaxError),
+}
+
+impl LocalFrames {
+    /// Relaxes a candidate. `travels` has one for each visit, of the travel that led to it.
+    pub fn relax(
+        travels: &[Option<Displacement>],
+        closures: Vec<Closure>,
+    ) -> Result<LocalFrames, LocalFramesError> {
+        let graph = graph(travels, &closures)?;
+        let relaxed = relax(&graph, &RelaxOptions::default())?;
+        let number = |id: PoseId| id.0 as usize;
+        let travelled = graph.edges().len() - closures.len();
+        let strains = graph.strains(&relaxed.poses).unwrap_or_default();
+        let strains = graph.edges().iter().zip(strains).enumerate().map(|(at, (edge, strain))| EdgeStrain {
+            visits: [number(edge.from), number(edge.to)],
+            travelled: at < travelled,
+            strain,
+        });
+        Ok(LocalFrames {
+            strains: strains.collect(),
+            strain: Strain { chi_square: relaxed.objective, degrees_of_freedom: relaxed.degrees_of_freedom },
+            outcome: relaxed.outcome,
+            parts: relaxed.parts.iter().map(|part| number(part.first)).collect(),
+            poses: relaxed.poses,
+            closures,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Point, direction, wrap_angle};
+    use crate::map::PlaceId;
+    use crate::patchwork::submap::Submap;
+    use crate::sensor::surface::Surface;
+    use nalgebra::Vector3;
+    use proptest::prelude::*;
+
+    /// The corners of a square block walked around twice, and the walls of each, which differ.
+    fn corner(place: usize, world_from_visit: &Pose) -> Neighbourhood {
+        let back = world_from_visit.inverse();
+        let sides =
+            [(0.0, -1.0), (0.0, 1.0 + 0.3 * place as f64), (0.5, -1.2), (0.5 + 0.1 * place as f64, 1.0)];
+        let walls = sides.iter().enumerate().flat_map(|(k, (angle, offset))| {
+            let angle: f64 = angle + std::f64::consts::FRAC_PI_2 * (k % 2) as f64;
+            let (normal, along) = (direction(angle), direction(angle + std::f64::consts::FRAC_PI_2));
+            (-40..40).map(move |step| {
+                let at = middle(place) + normal * *offset + along * (0.1 * f64::from(step));
+                Surface { at, normal: if *offset < 0.0 { normal } else { -normal } }
+            })
+        });
+        let walls = walls.map(|wall| crate::patchwork::alignment::moved(&wall, &back));
+        let bearings = [0.0, 2.0].map(|bearing| Some(wrap_angle(bearing - world_from_visit.theta)));
+        Neighbourhood { walls: Submap::new(walls), bearings: bearings.to_vec() }
+    }
+
+    fn middle(place: usize) -> Point {
+        [Point::new(0.0, 0.0), Point::new(20.0, 0.0), Point::new(20.0, 15.0), Point::new(0.0, 15.0)]
+            [place % 4]
+    }
+
+    fn assigned(visits: usize) -> Vec<Assignment> {
+        let place = |visit: usize| PlaceId::new(visit % 4).unwrap();
+        (0..visits).map(|visit| Assignment { place: place(visit), rotation: 0 }).collect()
+    }
+
+    /// Frames near the middles, the exact displacements between them, and what was seen.
+    fn walked(frames: &[(f64, f64, f64)]) -> (Vec<Pose>, Vec<Option<Displacement>>, Agreements) {
+        let pose = |(visit, &(x, y, theta)): (usize, &(f64, f64, f64))| {
+            Pose::new(middle(visit).x + x, middle(visit).y + y, theta)
+        };
+        let truth: Vec<Pose> = frames.iter().enumerate().map(pose).collect();
+        let covariance = Matrix3::from_diagonal(&Vector3::new(0.04, 0.04, 0.01));
+        let travel = |pair: &[Pose]| Some((pair[0].between(&pair[1]), covariance));
+        let travels = std::iter::once(None).chain(truth.windows(2).map(travel)).collect();
+        let seen = truth.iter().enumerate().map(|(visit, pose)| corner(visit % 4, pose)).collect();
+        (truth, travels, Agreements::new(seen, [0.25, 0.05]))
+    }
+
+    fn frames() -> impl Strategy<Value = Vec<(f64, f64, f64)>> {
+        prop::collection::vec((-0.3..0.3f64, -0.3..0.3f64, -3.1..3.1f64), 5..9)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+
+        #[test]
+        fn exact_travels_around_a_block_are_not_strained(frames in frames()) {
+            let (truth, travels, mut agreements) = walked(&frames);
+            let closures = agreements.closures(&assigned(frames.len()));
+            prop_assert_eq!(closures.len(), frames.len() - 4);
+            let relaxed = LocalFrames::relax(&travels, closures).unwrap();
+            prop_assert!(relaxed.strain.chi_square < 0.5, "{:?}", relaxed.strain);
+            prop_assert_eq!(relaxed.strain.degrees_of_freedom, 3 * (frames.len() - 4));
+            for (pose, true_pose) in relaxed.poses.iter().zip(&truth) {
+                let off = truth[0].between(true_pose).inverse().compose(&relaxed.poses[0].between(pose));
+                prop_assert!(off.x.hypot(off.y) < 0.1 && off.theta.abs() < 0.02, "{off:?}");
+            }
+        }
+
+        /// Odometry that bends leaves its end away from the beginning; closures bring it back, strained.
+        #[test]
+        fn drift_is_spread_over_the_loop(frames in frames(), bent in 0.05..0.15f64) {
+            let (truth, mut travels, mut agreements) = walked(&frames);
+            for (displacement, _) in travels.iter_mut().flatten() {
+                displacement.theta = wrap_angle(displacement.theta + bent);
+            }
+            let open = LocalFrames::relax(&travels, Vec::new()).unwrap();
+            prop_assert!(open.strain.chi_square < 1e-6 && open.strain.degrees_of_freedom == 0);
+            let relaxed = LocalFrames::relax(&travels, agreements.closures(&assigned(frames.len()))).unwrap();
+            let off = |poses: &[Pose]| {
+                let there = truth[0].between(&truth[4]).inverse().compose(&poses[0].between(&poses[4]));
+                there.x.hypot(there.y)
+            };
+            prop_assert!(off(&relaxed.poses) < 0.1 && off(&open.poses) > 0.5, "{} {}", off(&relaxed.poses), off(&open.poses));
+            prop_assert!(relaxed.strain.chi_square > open.strain.chi_square);
+        }
+    }
+
+    #[test]
+    fn a_travel_that_was_not_measured_begins_another_part() {
+        let (_, mut travels, _) = walked(&[(0.0, 0.0, 0.0); 3]);
+        travels[2] = None;
+        let relaxed = LocalFrames::relax(&travels, Vec::new()).unwrap();
+        assert_eq!(relaxed.parts, [0, 2]);
+        assert_eq!(LocalFrames::relax(&[], Vec::new()).unwrap().poses, []);
+    }
+}
