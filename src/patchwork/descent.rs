@@ -72,7 +72,7 @@ impl Descent<'_> {
             at.outcome = Outcome::Converged;
             return at;
         }
-        let mut damping = 0.0;
+        let mut damping = Damping(0.0);
         while at.costs.len() <= self.options.max_iterations {
             if let Some(outcome) = self.advance(&mut at, &mut damping) {
                 at.outcome = outcome;
@@ -83,33 +83,26 @@ impl Descent<'_> {
     }
 
     /// One step; the outcome, if there are no more to take.
-    fn advance(&mut self, at: &mut Descended, damping: &mut f64) -> Option<Outcome> {
+    fn advance(&mut self, at: &mut Descended, damping: &mut Damping) -> Option<Outcome> {
         let slope = self.problem.linearise(&at.states, self.nodes, &self.structure.places, self.system);
         let cost = at.costs.last().copied().unwrap_or_default();
         let diagonals = self.system.diagonals();
         loop {
-            let step = self.step(&slope, &diagonals, *damping);
-            at.damped = *damping > 0.0;
-            if let Some(step) = step {
-                let last = step.gain <= self.options.tolerance * cost || self.is_rounding(&step, &at.states);
+            at.damped = damping.0 > 0.0;
+            if let Some(step) = self.step(&slope, &diagonals, damping.0) {
+                let last = step.gain <= self.options.tolerance * cost || is_rounding(&step, &at.states);
                 let taken = self.search(&at.states, cost, &step, last);
+                let found = taken.is_some();
                 if let Some(taken) = taken {
-                    *damping = match taken.length {
-                        length if length < SHORT => (*damping * DAMPING_FACTOR).max(LEAST_DAMPING),
-                        length if length > LONG && *damping <= LEAST_DAMPING => 0.0,
-                        length if length > LONG => *damping / DAMPING_FACTOR,
-                        _ => *damping,
-                    };
+                    damping.after(taken.length);
                     at.states = taken.states;
                     at.costs.push(taken.cost);
+                }
+                if found || last {
                     return last.then_some(Outcome::Converged);
                 }
-                if last {
-                    return Some(Outcome::Converged);
-                }
             }
-            *damping = (*damping * DAMPING_FACTOR).max(LEAST_DAMPING);
-            if *damping > MOST_DAMPING {
+            if !damping.raise() {
                 return Some(Outcome::Stalled);
             }
         }
@@ -161,9 +154,30 @@ impl Descent<'_> {
         };
         states.iter().zip(self.nodes).map(moved).collect()
     }
+}
 
-    fn is_rounding(&self, step: &Step, states: &[State]) -> bool {
-        let extent = states.iter().map(|state| state.x.abs().max(state.y.abs())).fold(1.0, f64::max);
-        step.by.iter().all(|by| by.abs() <= NO_STEP * extent)
+/// Whether a step changes nothing but rounding.
+fn is_rounding(step: &Step, states: &[State]) -> bool {
+    let extent = states.iter().map(|state| state.x.abs().max(state.y.abs())).fold(1.0, f64::max);
+    step.by.iter().all(|by| by.abs() <= NO_STEP * extent)
+}
+
+/// What is added to the diagonal, as a share of it.
+struct Damping(f64);
+
+impl Damping {
+    /// More of it; false where there is no sense in more.
+    fn raise(&mut self) -> bool {
+        self.0 = (self.0 * DAMPING_FACTOR).max(LEAST_DAMPING);
+        self.0 <= MOST_DAMPING
+    }
+
+    /// What a step of some length calls for.
+    fn after(&mut self, length: f64) {
+        if length < SHORT {
+            self.raise();
+        } else if length > LONG {
+            self.0 = if self.0 <= LEAST_DAMPING { 0.0 } else { self.0 / DAMPING_FACTOR };
+        }
     }
 }

@@ -81,22 +81,22 @@ impl Patchwork {
         self.place(&fresh);
         let strained: Vec<u32> = fresh.into_iter().filter(|edge| self.strain(*edge) > AGREES).collect();
         let mut update = Update { relaxed: 0, iterations: 0, outcome: Outcome::Converged };
-        let mut done = vec![];
+        let mut done = vec![false; self.graph.edges().len()];
         for edge in strained {
-            if done.contains(&edge) {
+            if done[edge as usize] {
                 continue;
             }
             let first = self.graph.ends()[edge as usize][0];
             let blocks = self.neighbours.blocks(first, self.graph.edges().len());
             let block = blocks[edge as usize];
             let edges: Vec<u32> = (0..).zip(&blocks).filter(|(_, b)| **b == block).map(|(e, _)| e).collect();
-            let one = self.relax_block(&edges, &blocks)?;
+            edges.iter().for_each(|edge| done[*edge as usize] = true);
+            let one = self.relax_block(&edges, |edge| blocks[edge as usize] == block)?;
             update.relaxed += one.relaxed;
             update.iterations += one.iterations;
             if one.outcome != Outcome::Converged {
                 update.outcome = one.outcome;
             }
-            done.extend(edges);
         }
         self.settled = self.graph.edges().len();
         Ok(update)
@@ -137,36 +137,45 @@ impl Patchwork {
 
     /// Relaxes the poses of a block, and carries along what hangs on it. The pose through which the first pose of all hangs
     /// on the block stays where it is.
-    fn relax_block(&mut self, edges: &[u32], blocks: &[Option<u32>]) -> Result<Update, RelaxError> {
+    fn relax_block(&mut self, edges: &[u32], inside: impl Fn(u32) -> bool) -> Result<Update, RelaxError> {
         let mut members: Vec<u32> = edges.iter().flat_map(|edge| self.graph.ends()[*edge as usize]).collect();
         members.sort_unstable();
         members.dedup();
-        let block = edges.first().and_then(|edge| blocks[*edge as usize]);
-        let carriers = self.neighbours.carriers(&members, |edge| blocks[edge as usize] == block);
+        let carriers = self.neighbours.carriers(&members, inside);
         let root = carriers.iter().flatten().next().copied();
         members.sort_by_key(|pose| (Some(*pose) != root, *pose));
+        let part = self.part(&members, edges)?;
+        let answer = Relaxer::new(&part, &RelaxOptions { start: Start::Best, ..self.options })?.relax()?;
+        // What the block hangs on stays to the last bit.
+        self.carry(&members[1..], &answer.poses[1..], &carriers);
+        Ok(Update { relaxed: members.len() - 1, iterations: answer.iterations, outcome: answer.outcome })
+    }
+
+    /// Some poses and edges as a graph of their own, from where they are.
+    fn part(&self, members: &[u32], edges: &[u32]) -> Result<PoseGraph, GraphError> {
         let mut part = PoseGraph::new();
-        for pose in &members {
+        for pose in members {
             part.add_pose(self.graph.ids()[*pose as usize], self.poses[*pose as usize])?;
         }
         for edge in edges {
             part.add_edge(self.graph.edges()[*edge as usize])?;
         }
-        let mut relaxer = Relaxer::new(&part, &RelaxOptions { start: Start::Best, ..self.options })?;
-        let answer = relaxer.relax()?;
+        Ok(part)
+    }
+
+    /// Puts poses where they are now, and what they carry along with them.
+    fn carry(&mut self, members: &[u32], after: &[Pose], carriers: &[Option<u32>]) {
         let mut moved = vec![None; self.poses.len()];
-        for (pose, after) in members.iter().zip(&answer.poses) {
+        for (pose, after) in members.iter().zip(after) {
             let before = self.poses[*pose as usize].unwrap_or(*after);
             moved[*pose as usize] = Some(after.compose(&before.inverse()));
         }
-        for (pose, carrier) in self.poses.iter_mut().zip(&carriers) {
-            // What the block hangs on stays to the last bit.
-            let by = carrier.filter(|_| *carrier != root).and_then(|carrier| moved[carrier as usize]);
+        for (pose, carrier) in self.poses.iter_mut().zip(carriers) {
+            let by = carrier.and_then(|carrier| moved[carrier as usize]);
             *pose = pose.zip(by).map(|(pose, by): (Pose, Pose)| by.compose(&pose)).or(*pose);
         }
-        for (pose, after) in members.iter().zip(&answer.poses) {
+        for (pose, after) in members.iter().zip(after) {
             self.poses[*pose as usize] = Some(*after);
         }
-        Ok(Update { relaxed: members.len() - 1, iterations: answer.iterations, outcome: answer.outcome })
     }
 }

@@ -139,7 +139,7 @@ fn faults_are_told_with_line_and_mend() {
     };
     usage(&["relax", "-", "-o", "out.csv"], "expected .g2o, .graph (TORO) or .tum");
     usage(&["relax", "-", "--covariance", "400"], "expected a pose of the graph");
-    usage(&["relax", "-", "--loss-width", "-1"], "a number above 0");
+    usage(&["relax", "-", "--loss-width=-1"], "a number above 0");
     let output = fed(&["relax", "-", "--max-iterations", "0"], square().as_bytes());
     assert_eq!(output.status.code(), Some(5));
     assert!(text(&output.stdout).contains("--max-iterations is reached"));
