@@ -219,6 +219,25 @@ mod tests {
         describe(&Lpm::new(grid, robot_pose), &PerceptionParameters::default()).unwrap()
     }
 
+    /// On its way between two places the robot stands as near to the one as to the other.
+    #[test]
+    fn the_place_is_the_one_whose_middle_is_known() {
+        let plan = Drawing::new()
+            .corridor((-9.0, 0.0), (15.0, 0.0), 2.0)
+            .corridor((0.0, 0.0), (0.0, -9.0), 2.0)
+            .corridor((6.0, 0.0), (6.0, 9.0), 2.0);
+        let grid = plan.render(&window(16.0, 0.1, Point::new(3.0, 0.0), 0.0), &Point::origin()).unwrap();
+        for (middle, heading) in [(0.0, std::f64::consts::PI), (6.0, 0.0)] {
+            for x in [1.2, 2.0, 3.0, 4.0, 4.8] {
+                let middle = Some(Point::new(middle, 0.0));
+                let lpm = Lpm { middle, ..Lpm::new(grid.clone(), Pose::new(x, 0.1, heading)) };
+                let place = describe(&lpm, &PerceptionParameters::default()).unwrap();
+                assert!((place.center - middle.unwrap()).norm() < 0.5, "{x}: {}", place.center);
+                assert_eq!((place.gateways.len(), place.arrival.is_some()), (3, true), "{x}");
+            }
+        }
+    }
+
     #[test]
     fn the_listing_begins_where_the_robot_came_in() {
         let place = tee(Pose::new(0.0, -0.9, FRAC_PI_2));

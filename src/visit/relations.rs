@@ -148,21 +148,28 @@ impl Track {
                 Some(Error::of(relation, from?, to?))
             })
             .collect();
-        let reaches: [(Reach, &dyn Fn(&&Error) -> bool); 4] = [
-            (Reach::All, &|_| true),
-            (Reach::Loops, &|error| error.seconds > LOOP),
-            (Reach::Within, &|error| error.driven < memory),
-            (Reach::Beyond, &|error| error.driven >= memory),
-        ];
-        let row = |(reach, counted): (Reach, &dyn Fn(&&Error) -> bool)| {
-            let counted: Vec<&Error> = known.iter().filter(counted).collect();
+        let row = |reach: Reach| {
+            let counted: Vec<&Error> = known.iter().filter(|error| reach.counts(error, memory)).collect();
             let spreads = |errors: fn(&Error) -> [f64; 2]| {
                 [0, 1].map(|part| Spread::of(counted.iter().map(|&error| errors(error)[part])))
             };
             let (odometry, matched) = (spreads(|error| error.odometry), spreads(|error| error.matched));
             (reach, Compared { relations: counted.len(), odometry, matched })
         };
-        PoseErrors { unknown: relations.len() - known.len(), rows: reaches.map(row).to_vec() }
+        PoseErrors { unknown: relations.len() - known.len(), rows: Reach::ALL.map(row).to_vec() }
+    }
+}
+
+impl Reach {
+    const ALL: [Reach; 4] = [Reach::All, Reach::Loops, Reach::Within, Reach::Beyond];
+
+    fn counts(self, error: &Error, memory: f64) -> bool {
+        match self {
+            Reach::All => true,
+            Reach::Loops => error.seconds > LOOP,
+            Reach::Within => error.driven < memory,
+            Reach::Beyond => error.driven >= memory,
+        }
     }
 }
 
