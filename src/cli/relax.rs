@@ -61,7 +61,7 @@ pub(super) struct Relax {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum StartName {
-    /// The cheaper of the two below.
+    /// The cheaper of guesses and rotations.
     Best,
     /// The poses in the file; those that are wanting from the edges, odometry first.
     Guesses,

@@ -87,8 +87,8 @@ impl<const B: usize> System<B> {
         let values = self.matrix.val_mut();
         for c in 0..B {
             let at = first + c * B * above + c * (c + 1) / 2;
-            for r in 0..B {
-                values[at + r] += block[r][c];
+            for (r, row) in block.iter().enumerate() {
+                values[at + r] += row[c];
             }
         }
     }
@@ -98,8 +98,8 @@ impl<const B: usize> System<B> {
         for c in 0..B {
             let at = self.diagonal(node, c) - c;
             let values = self.matrix.val_mut();
-            for r in 0..=c {
-                values[at + r] += block[r][c];
+            for (r, row) in block.iter().take(c + 1).enumerate() {
+                values[at + r] += row[c];
             }
         }
     }
