@@ -5,7 +5,7 @@ use crate::measured_reference::{LAWS, Told};
 use crate::reference::Story;
 use proptest::prelude::*;
 use topostar::abduction::{
-    Abduction, Assignment, AxiomId, AxiomSet, Limits, Profile, REGISTRY, Visit, judge,
+    Abduction, Assignment, AxiomId, AxiomSet, Limits, Profile, Proposed, REGISTRY, Visit, judge, proposed,
 };
 use topostar::map::PlaceId;
 use topostar::metric::{Measurements, MetricParameters};
@@ -97,6 +97,37 @@ proptest! {
         prop_assert_eq!(found.minimal, all.minimal);
         prop_assert_eq!(found.simplicity, all.simplicity);
     }
+}
+
+/// On walks in which two places are found to share a spot only by how chi-square grows, each child that the search
+/// comes to is refuted by the axiom by which the reference refutes it.
+#[test]
+fn the_profile_of_chi_square_refutes_what_its_reference_refutes() {
+    let axioms = AxiomSet::of(Profile::Default);
+    let mut refuted = 0;
+    for (seed, latest) in [(6, 15), (20, 14), (32, 13), (34, 15)] {
+        let places = corridor_grid(3, 3, 10.0);
+        let trace = drifting_trace(&places, &covering_walk(&places, seed), Drift::WORST, seed).unwrap();
+        let seen = &sightings(&trace.events)[..=latest];
+        let visits: Vec<Visit> = seen.iter().map(Visit::from).collect();
+        let measured = seen.iter().fold(Measurements::default(), |measured, seen| measured.with(seen));
+        for candidate in explain(&seen[..latest], axioms).candidates() {
+            let children = proposed(&visits, measured.evidence().as_deref(), axioms, &candidate.visits);
+            for Proposed { assignment, refutation } in children.unwrap() {
+                let found = refutation.map(|refutation| refutation.axiom);
+                if found.is_some_and(|axiom| LAWS.iter().all(|(law, _)| *law != axiom)) {
+                    continue;
+                }
+                let visits = candidate.visits.iter().chain([&assignment]);
+                let story: Story = visits.map(|at| (at.place.index(), at.rotation as usize)).collect();
+                let told = Told { seen, story: &story, bounds: MetricParameters::default() };
+                let broken = LAWS.iter().find(|(_, law)| !law(&told)).map(|(id, _)| *id);
+                assert_eq!(found, broken, "{seed} {story:?}");
+                refuted += usize::from(found == Some(AxiomId::Apart));
+            }
+        }
+    }
+    assert!(refuted > 0);
 }
 
 pub(crate) fn recorded(name: &str) -> Vec<Sighting> {

@@ -461,7 +461,7 @@ impl<'a> Estimate<'a> {
         let size = self.mean.len();
         let (weight, stiff) = (self.told.astray().try_inverse().unwrap(), 1e9);
         let mut held = self.clone();
-        for _ in 0..20 {
+        for _ in 0..80 {
             let mut information = DMatrix::identity(size, size);
             let mut pull = DVector::zeros(size);
             for &visit in &held.loops {

@@ -115,7 +115,7 @@ impl Share {
 /// Variance of what is not known, square radians.
 const UNKNOWN: f64 = 1e4;
 /// At most so many linearisations, and the change of an error that ends them.
-pub(super) const ROUNDS: usize = 20;
+const ROUNDS: usize = 20;
 const SETTLED: f64 = 1e-6;
 
 impl Layout {

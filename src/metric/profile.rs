@@ -7,16 +7,17 @@
 //! whatever the coordinates are.
 
 use crate::geometry::{Vector, direction};
-use crate::metric::layout::{Layout, ROUNDS, Span};
+use crate::metric::layout::{Layout, Span};
 use crate::metric::leg::lever;
 use nalgebra::RowVector3;
 use std::f64::consts::{PI, TAU};
 
 /// Sides of the polygon within the circle.
 const SIDES: usize = 24;
-/// The change of an error that ends the search, metres or radians. Chi-square has its least there, so that it is known
-/// far better.
-const SETTLED: f64 = 1e-4;
+/// At most so many linearisations, and the change of chi-square that ends them. Errors come to rest more slowly, but
+/// near its least chi-square hardly depends on them.
+const ROUNDS: usize = 40;
+const SETTLED: f64 = 0.01;
 
 /// A line that a visit is to lie on, seen from an earlier one: the points so far in a direction of that one's frame.
 #[derive(Clone, Copy, Debug)]
@@ -52,6 +53,7 @@ impl Layout {
     fn to_reach(&self, line: &Line) -> Option<f64> {
         let mut layout = self.clone();
         let (least, _) = layout.chi_square();
+        let mut last = f64::NAN;
         for round in 0..ROUNDS {
             layout.solve()?;
             let Span { from, to } = line.span;
@@ -68,12 +70,13 @@ impl Layout {
             let variance =
                 (moves * layout.shared(line.span, line.span) * moves.transpose()).x - known.norm_squared();
             let pull = misses / variance;
-            let change = layout
-                .pulled(layout.whitened() - known * pull, Some((line.span, moves.transpose() * pull)))?;
-            if change < SETTLED {
-                let (chi_square, _) = layout.chi_square();
-                return Some(chi_square + misses * pull - least);
+            let (closing, _) = layout.chi_square();
+            let chi_square = closing + misses * pull;
+            if (chi_square - last).abs() < SETTLED {
+                return Some(chi_square - least);
             }
+            last = chi_square;
+            layout.pulled(layout.whitened() - known * pull, Some((line.span, moves.transpose() * pull)))?;
         }
         None
     }
