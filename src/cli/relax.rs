@@ -189,7 +189,10 @@ fn writer(file: &Path) -> Result<fn(&PoseGraph) -> String, Failure> {
     }
 }
 
-fn covariances(relaxer: &mut Relaxer, asked: &[u64]) -> Result<Vec<(u64, [[f64; 3]; 3])>, Failure> {
+/// A pose and its covariance by rows: x, y, heading.
+type PoseCovariance = (u64, [[f64; 3]; 3]);
+
+fn covariances(relaxer: &mut Relaxer, asked: &[u64]) -> Result<Vec<PoseCovariance>, Failure> {
     let of = |pose: &u64| match relaxer.covariance(PoseId(*pose)) {
         Some(matrix) => {
             Ok((*pose, std::array::from_fn(|row| std::array::from_fn(|column| matrix[(row, column)]))))
@@ -201,7 +204,7 @@ fn covariances(relaxer: &mut Relaxer, asked: &[u64]) -> Result<Vec<(u64, [[f64; 
     asked.iter().map(of).collect()
 }
 
-fn words(report: &RelaxationReport, covariances: &[(u64, [[f64; 3]; 3])]) -> String {
+fn words(report: &RelaxationReport, covariances: &[PoseCovariance]) -> String {
     let mut text = String::new();
     // Writing to a string does not fail.
     let _ = describe(&mut text, report);

@@ -182,3 +182,135 @@ fn around(drive: &Drive, poses: &[Pose], frame: usize) -> Submap {
 fn symmetric(matrix: Matrix3<f64>) -> Matrix3<f64> {
     (matrix + matrix.transpose()) / 2.0
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Point, Vector};
+    use crate::patchwork::drive::DriveRecorder;
+    use crate::sensor::log::LaserNumber;
+    use crate::sensor::surface::Surface;
+    use crate::sensor::{LaserScan, LocalPose};
+
+    /// Frames to each side of a square corridor, and its side in metres.
+    const SIDE: usize = 24;
+    const LENGTH: f64 = 12.0;
+
+    /// A robot that goes around a square corridor so many times, and its true poses. Its heading bends by `bent` a frame.
+    fn around(laps: usize, bent: f64) -> (Drive, Vec<Pose>) {
+        let step = Pose::new(LENGTH / SIDE as f64, 0.0, 0.0);
+        let mut truth = vec![Pose::IDENTITY];
+        for k in 1..=4 * SIDE * laps {
+            let turn = if k % SIDE == 0 { std::f64::consts::FRAC_PI_2 } else { 0.0 };
+            let last = truth[k - 1];
+            truth.push(last.compose(&step).compose(&Pose::new(0.0, 0.0, turn)));
+        }
+        let mut recorder = DriveRecorder::new(12.0);
+        let mut local = Pose::IDENTITY;
+        for k in 0..truth.len() {
+            if k > 0 {
+                local = local.compose(&truth[k - 1].between(&truth[k])).compose(&Pose::new(0.0, 0.0, bent));
+            }
+            let drift = Matrix3::from_diagonal(&Vector3::new(4e-4, 1e-4, 1e-4));
+            recorder.add(&nothing(k), &LocalPose { local_from_robot: local, drift, used: true });
+        }
+        let mut drive = recorder.finish();
+        assert_eq!(drive.frames().len(), truth.len());
+        drive.see(|frame| seen(&truth[frame]));
+        (drive, truth)
+    }
+
+    fn nothing(k: usize) -> LaserScan {
+        LaserScan {
+            laser: LaserNumber::FRONT,
+            stamp: k as f64,
+            odom_from_robot: Pose::IDENTITY,
+            robot_from_laser: Pose::IDENTITY,
+            start_angle: 0.0,
+            angle_increment: 0.1,
+            ranges: Vec::new(),
+        }
+    }
+
+    /// What is to be seen from a pose within 5 m: the walls on both sides of the corridor, and niches in the outer one
+    /// at distances that do not repeat.
+    fn seen(pose: &Pose) -> Vec<Surface> {
+        let corners = [(0.0, 0.0), (LENGTH, 0.0), (LENGTH, LENGTH), (0.0, LENGTH)];
+        let corners = corners.map(|(x, y)| Point::new(x, y));
+        let mut walls = Vec::new();
+        for side in 0..4 {
+            let (from, to) = (corners[side], corners[(side + 1) % 4]);
+            let along = (to - from).normalize();
+            let inward = Vector::new(-along.y, along.x);
+            for k in -10..130 {
+                let at = from + along * (0.1 * f64::from(k));
+                walls.push(Surface { at: at - inward, normal: inward });
+                if (10..110).contains(&k) {
+                    walls.push(Surface { at: at + inward, normal: -inward });
+                }
+            }
+            for niche in [2.0 + 0.7 * side as f64, 5.5, 9.0 - 0.5 * side as f64] {
+                for k in 0..6 {
+                    let at = from + along * niche - inward * (1.0 + 0.1 * f64::from(k));
+                    walls.push(Surface { at, normal: along });
+                    walls.push(Surface { at: at + along * 0.8, normal: -along });
+                }
+            }
+        }
+        let back = pose.inverse();
+        let near = |wall: &Surface| (wall.at - pose.position()).norm() < 5.0;
+        walls.into_iter().filter(near).map(|wall| moved(&wall, &back)).collect()
+    }
+
+    /// The two visits to the corner where the robot began, and what they show of each other.
+    fn closed(drive: &Drive, truth: &[Pose]) -> (Vec<Stop>, Vec<Closure>) {
+        let scans = [0, 4 * SIDE];
+        let stop = |scan: usize| Stop { scan, local_from_visit: drive.frames()[scan].local_from_robot };
+        let alignment = Alignment {
+            pose: truth[scans[0]].between(&truth[scans[1]]),
+            information: Matrix3::from_diagonal(&Vector3::new(1e4, 1e4, 1e5)),
+            share: 1.0,
+            stray: 0.0,
+        };
+        (scans.map(stop).to_vec(), vec![Closure { visits: [0, 1], alignment }])
+    }
+
+    /// The largest error of the second lap as seen from the first.
+    fn apart(truth: &[Pose], poses: &[Pose]) -> f64 {
+        let off = |k: usize| {
+            let (there, here) = (k + 4 * SIDE, k);
+            let off =
+                truth[here].between(&truth[there]).inverse().compose(&poses[here].between(&poses[there]));
+            off.x.hypot(off.y)
+        };
+        (0..4 * SIDE).map(off).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn a_place_recognised_closes_the_way_and_scans_close_it_everywhere() {
+        let (drive, truth) = around(2, 0.003);
+        let (stops, closures) = closed(&drive, &truth);
+        let local: Vec<Pose> = drive.frames().iter().map(|frame| frame.local_from_robot).collect();
+        let relaxed = RelaxedDrive::new(&drive, &stops, &closures).unwrap();
+        let [open, by_map, by_scans] =
+            [&local, &relaxed.by_map.poses, &relaxed.by_scans.poses].map(|poses| apart(&truth, poses));
+        assert!(open > 2.0, "{open}");
+        assert!(by_map < 0.5 * open && by_map > by_scans, "{open} {by_map} {by_scans}");
+        assert!(relaxed.passes > 3 * SIDE / 2 && by_scans < 0.05, "{} {by_scans}", relaxed.passes);
+    }
+
+    #[test]
+    fn an_exact_way_is_not_strained() {
+        let (drive, truth) = around(2, 0.0);
+        let (stops, closures) = closed(&drive, &truth);
+        let relaxed = RelaxedDrive::new(&drive, &stops, &closures).unwrap();
+        assert!(relaxed.by_map.objective < 1e-6, "{}", relaxed.by_map.objective);
+        assert!(apart(&truth, &relaxed.by_scans.poses) < 0.02);
+    }
+
+    #[test]
+    fn a_way_without_frames_is_relaxed_to_nothing() {
+        let relaxed = RelaxedDrive::new(&Drive::default(), &[], &[]).unwrap();
+        assert!(relaxed.by_scans.poses.is_empty() && relaxed.passes == 0);
+    }
+}

@@ -83,6 +83,12 @@ impl DriveRecorder {
 }
 
 impl Drive {
+    /// The same way with other walls seen from each frame.
+    #[cfg(test)]
+    pub(super) fn see(&mut self, walls: impl Fn(usize) -> Vec<Surface>) {
+        self.frames.iter_mut().enumerate().for_each(|(frame, at)| at.walls = walls(frame));
+    }
+
     /// The frames in the order of the way.
     pub fn frames(&self) -> &[Frame] {
         &self.frames

@@ -68,9 +68,11 @@ const MEMORY: f64 = 10.0;
 /// Beams side by side err together; so many of them tell as much as one alone.
 const BEAMS_ALIKE: f64 = 5.0;
 
-/// What matching errs by on every metre however well it fits, metres and radians after one metre; grows with the root:
-/// ranges that are long or short by a cell's breadth bend straight corridors.
-const BENT: [f64; 3] = [0.01, 0.01, 0.006];
+/// What matching errs by on every metre however well it fits, ahead, aside (metres) and in heading (radians) after one
+/// metre; grows with the root. Ranges that are long or short by a cell's breadth bend straight corridors, and what is seen
+/// of their walls at one moment and at the next seems to tell how far the robot came. On the travels of a recorded log whose
+/// loops are closed, errors are that large (root mean square): 3 degrees and 0.3 m after 20 m.
+const BENT: [f64; 3] = [0.05, 0.02, 0.012];
 
 /// A pose among the walls nearby.
 #[derive(Clone, Copy, Debug, PartialEq)]

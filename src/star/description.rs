@@ -229,10 +229,10 @@ mod tests {
         let grid = plan.render(&window(16.0, 0.1, Point::new(3.0, 0.0), 0.0), &Point::origin()).unwrap();
         for (middle, heading) in [(0.0, std::f64::consts::PI), (6.0, 0.0)] {
             for x in [1.2, 2.0, 3.0, 4.0, 4.8] {
-                let middle = Some(Point::new(middle, 0.0));
-                let lpm = Lpm { middle, ..Lpm::new(grid.clone(), Pose::new(x, 0.1, heading)) };
+                let middle = Point::new(middle, 0.0);
+                let lpm = Lpm { middle: Some(middle), ..Lpm::new(grid.clone(), Pose::new(x, 0.1, heading)) };
                 let place = describe(&lpm, &PerceptionParameters::default()).unwrap();
-                assert!((place.center - middle.unwrap()).norm() < 0.5, "{x}: {}", place.center);
+                assert!((place.center - middle).norm() < 0.5, "{x}: {}", place.center);
                 assert_eq!((place.gateways.len(), place.arrival.is_some()), (3, true), "{x}");
             }
         }

@@ -5,6 +5,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a helper of tests fails the test")]
 
 mod logs;
+mod patchwork;
 mod posegraphs;
 
 use std::fs;
