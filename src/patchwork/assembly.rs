@@ -194,7 +194,7 @@ mod tests {
 
     /// Frames to each side of a square corridor, and its side in metres.
     const SIDE: usize = 24;
-    const LENGTH: f64 = 12.0;
+    const LENGTH: f64 = 12.24;
 
     /// A robot that goes around a square corridor so many times, and its true poses. Its heading bends by `bent` a frame.
     fn around(laps: usize, bent: f64) -> (Drive, Vec<Pose>) {
@@ -262,17 +262,20 @@ mod tests {
         walls.into_iter().filter(near).map(|wall| moved(&wall, &back)).collect()
     }
 
-    /// The two visits to the corner where the robot began, and what they show of each other.
+    /// The visits to the corner where the robot began, and what they show of the first.
     fn closed(drive: &Drive, truth: &[Pose]) -> (Vec<Stop>, Vec<Closure>) {
-        let scans = [0, 4 * SIDE];
-        let stop = |scan: usize| Stop { scan, local_from_visit: drive.frames()[scan].local_from_robot };
-        let alignment = Alignment {
-            pose: truth[scans[0]].between(&truth[scans[1]]),
-            information: Matrix3::from_diagonal(&Vector3::new(1e4, 1e4, 1e5)),
-            share: 1.0,
-            stray: 0.0,
+        let scans: Vec<usize> = (0..truth.len()).step_by(4 * SIDE).collect();
+        let stop = |&scan: &usize| Stop { scan, local_from_visit: drive.frames()[scan].local_from_robot };
+        let closure = |visit: usize| {
+            let alignment = Alignment {
+                pose: truth[0].between(&truth[scans[visit]]),
+                information: Matrix3::from_diagonal(&Vector3::new(1e4, 1e4, 1e5)),
+                share: 1.0,
+                stray: 0.0,
+            };
+            Closure { visits: [0, visit], alignment }
         };
-        (scans.map(stop).to_vec(), vec![Closure { visits: [0, 1], alignment }])
+        (scans.iter().map(stop).collect(), (1..scans.len()).map(closure).collect())
     }
 
     /// The largest error of the second lap as seen from the first.
@@ -296,7 +299,7 @@ mod tests {
             [&local, &relaxed.by_map.poses, &relaxed.by_scans.poses].map(|poses| apart(&truth, poses));
         assert!(open > 2.0, "{open}");
         assert!(by_map < 0.5 * open && by_map > by_scans, "{open} {by_map} {by_scans}");
-        assert!(relaxed.passes > 3 * SIDE / 2 && by_scans < 0.05, "{} {by_scans}", relaxed.passes);
+        assert!(relaxed.passes > 3 * SIDE / 2 && by_scans < 0.1, "{} {by_scans}", relaxed.passes);
     }
 
     #[test]

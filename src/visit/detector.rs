@@ -158,7 +158,9 @@ impl VisitDetector {
         let apart = found.inside[0].driven - last.inside[1].driven;
         let same =
             (found.stage.visit.center - last.stage.visit.center).norm() <= 2.0 * self.parameters.agreement;
-        let overlaps = found.stage.visit.arrival.driven < last.inside[1].driven;
+        let overlaps = found.stage.visit.arrival.driven < last.inside[1].driven
+            || found.is_within(&last)
+            || last.is_within(&found);
         if same && apart <= LOOKS_AROUND {
             self.keep(self.joined(last, found));
             None
@@ -229,7 +231,10 @@ impl VisitDetector {
         let left = gateway.is_some_and(|bearing| wrap_angle(bearing - out).abs() <= SIDEWAYS);
         // A robot that starts off does not see what is behind it.
         let closed_behind = first && place.gateways.len() == 1 && place.arrival.is_none();
-        (first || place.arrival.is_some()) && (ended || left) && !is_passage(&place) && !closed_behind
+        // Nor does one that stops see, in time, what is far ahead.
+        let closed_ahead = ended && !left && place.gateways.len() == 1;
+        let closed = closed_behind || closed_ahead;
+        (first || place.arrival.is_some()) && (ended || left) && !is_passage(&place) && !closed
     }
 
     /// The LPM around a point of the local frame as seen over the whole visit, from a pose in it, and its place, if it is
@@ -261,6 +266,15 @@ impl Group {
 }
 
 impl Found {
+    /// Whether the robot came to this place and left it without having left another that it was at.
+    fn is_within(&self, other: &Found) -> bool {
+        let [stay, around] = [self, other].map(|found| {
+            let Visit { arrival, departure, .. } = &found.stage.visit;
+            arrival.driven..=departure.driven
+        });
+        around.contains(stay.start()) && around.contains(stay.end())
+    }
+
     /// A stay that goes on until the end of the next, at the place as it is in one of them.
     fn prolonged(mut self, next: &Found, seen: &Visit) -> Found {
         let Visit { arrival, .. } = self.stage.visit;
