@@ -2,6 +2,7 @@
 //! definitions.
 
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Matrix3xX, Vector2, Vector3};
+use std::cell::Cell;
 use std::f64::consts::TAU;
 use std::sync::LazyLock;
 use topostar::abduction::AxiomId;
@@ -324,6 +325,28 @@ static QUANTILES: LazyLock<Vec<f64>> = LazyLock::new(|| {
     (0..40).map(|half| if half == 0 { 0.0 } else { quantile(half) }).collect()
 });
 
+thread_local! {
+    /// Whether a chi-square has not come to rest, so that nothing was known, since this was last asked for.
+    static UNSETTLED: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Whether a law holds of all beginnings of a story; `None` on the brink: where it would be otherwise with gates a
+/// twentieth narrower or wider, or where a chi-square did not come to rest.
+pub(crate) fn decided(law: Law, seen: &[Sighting], story: &[(usize, usize)]) -> Option<bool> {
+    let bounds = MetricParameters::default();
+    let gated = |scale: f64| MetricParameters {
+        position_gate: bounds.position_gate * scale,
+        pose_gate: bounds.pose_gate * scale,
+        ..bounds
+    };
+    let holds = |bounds: MetricParameters| {
+        (2..=story.len()).all(|length| law(&Told { seen: &seen[..length], story: &story[..length], bounds }))
+    };
+    UNSETTLED.set(false);
+    let verdicts = [holds(gated(0.95)), holds(bounds), holds(gated(1.05))];
+    (!UNSETTLED.take() && verdicts.iter().all(|verdict| *verdict == verdicts[1])).then_some(verdicts[1])
+}
+
 /// All errors of a story estimated at once, with spread one each: three a travel of its own, then three a visit of
 /// where in its place it is, then three of odometry that are the same on all travels. Loops are observations of them.
 #[derive(Clone)]
@@ -461,7 +484,9 @@ impl<'a> Estimate<'a> {
         let size = self.mean.len();
         let (weight, stiff) = (self.told.astray().try_inverse().unwrap(), 1e9);
         let mut held = self.clone();
-        for _ in 0..80 {
+        let mut last = f64::NAN;
+        // Where chi-square does not come to rest within so many rounds, nothing is known.
+        for _ in 0..40 {
             let mut information = DMatrix::identity(size, size);
             let mut pull = DVector::zeros(size);
             for &visit in &held.loops {
@@ -472,13 +497,14 @@ impl<'a> Estimate<'a> {
             let (off, slope) = held.linearised(|errors| Vector3::new(function(errors), 0.0, 0.0));
             information += slope.transpose() * stiff * &slope;
             pull += slope.transpose() * stiff * (&slope * &held.mean - off);
-            let mean = information.cholesky()?.solve(&pull);
-            let change = (&mean - &held.mean).amax();
-            held.mean = mean;
-            if change < 1e-3 {
-                return Some(held.chi_square() - self.chi_square());
+            held.mean = information.cholesky()?.solve(&pull);
+            let chi_square = held.chi_square();
+            if (chi_square - last).abs() < 0.01 {
+                return Some(chi_square - self.chi_square());
             }
+            last = chi_square;
         }
+        UNSETTLED.set(true);
         None
     }
 
