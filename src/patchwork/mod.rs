@@ -1,6 +1,6 @@
 //! The patchwork: local frames relaxed into one, so that the strain at their joints is least (seed, section 2.3).
 //!
-//! A [`PoseGraph`] holds frames as poses, and what was measured between them as edges with information. [`relax`] gives
+//! A [`PoseGraph`] holds frames as poses, and what was measured between them as edges with information. [`relax()`] gives
 //! the poses of least strain, which is the most likely layout where errors are normal (Lu and Milios 1997). It never
 //! gives up with an error: the [`Relaxation`] says how it ended, which parts hang together, which poses were held and
 //! which nothing determines. [`Patchwork`] does the same for a graph that grows.
