@@ -146,7 +146,7 @@ fn test() -> ExitCode {
     let outcome = run_all(&TEST.iter().collect::<Vec<_>>());
     println!("skipped, as ../shared/data is not there:");
     let source = |file: &str| fs::read_to_string(root.join("tests/real_data").join(file)).unwrap_or_default();
-    let sources = ["main.rs", "logs.rs", "posegraphs.rs"].map(source).concat();
+    let sources = ["main.rs", "logs.rs", "patchwork.rs", "posegraphs.rs"].map(source).concat();
     let tests = sources.split("#[test]\nfn ").skip(1).filter_map(|rest| rest.split('(').next());
     tests.for_each(|name| println!("  real_data {name}"));
     outcome
