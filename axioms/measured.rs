@@ -8,7 +8,7 @@ use topostar::abduction::{
     Abduction, Assignment, AxiomId, AxiomSet, Limits, Profile, Proposed, REGISTRY, Visit, judge, proposed,
 };
 use topostar::map::PlaceId;
-use topostar::metric::{Measurements, MetricParameters};
+use topostar::metric::Measurements;
 use topostar::trace::{Event, Experience, Sighting, write_trace};
 use topostar::worlds::{Drift, corridor_grid, covering_walk, drifting_trace};
 
@@ -121,7 +121,7 @@ fn the_profile_of_chi_square_refutes_what_its_reference_refutes() {
                 }
                 let visits = candidate.visits.iter().chain([&assignment]);
                 let story: Story = visits.map(|at| (at.place.index(), at.rotation as usize)).collect();
-                let told = Told { seen, story: &story, bounds: MetricParameters::default() };
+                let told = Told::new(seen, &story);
                 let broken = LAWS.iter().find(|(_, law)| !law(&told)).map(|(id, _)| *id);
                 assert_eq!(found, broken, "{seed} {story:?}");
                 refuted += usize::from(found == Some(AxiomId::Apart));

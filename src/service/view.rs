@@ -23,13 +23,25 @@ impl View {
         View::with_report(session, Arc::new(session.abduction().report()))
     }
 
-    /// What the session of this view shows now. Only an observation or an operator's word changes what is found.
+    /// What the session of this view shows now. Only an observation, an operator's word, or a search that went on where
+    /// it was interrupted changes what is found.
     pub fn next(&self, session: &Session) -> View {
-        let (now, shown) = (session.abduction(), &self.abduction);
-        if now.observations() == shown.observations() && now.word() == shown.word() {
-            return View::with_report(session, Arc::clone(&self.report));
+        match self.finds_what(session) {
+            true => View::with_report(session, Arc::clone(&self.report)),
+            false => View::of(session),
         }
-        View::of(session)
+    }
+
+    /// Whether the session of this view still shows the same.
+    pub fn shows(&self, session: &Session) -> bool {
+        self.next_seq == session.next_seq() && self.finds_what(session)
+    }
+
+    fn finds_what(&self, session: &Session) -> bool {
+        let (now, shown) = (session.abduction(), &self.abduction);
+        now.observations() == shown.observations()
+            && now.word() == shown.word()
+            && now.settlement() == shown.settlement()
     }
 
     fn with_report(session: &Session, report: Arc<Report>) -> View {

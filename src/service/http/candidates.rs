@@ -3,7 +3,7 @@
 use crate::abduction::Candidate;
 use crate::explanation::{Verdict, verdict};
 use crate::export::{Count, MapGraph, Preferred};
-use crate::service::http::answer::Representation;
+use crate::service::http::answer::read;
 use crate::service::http::cursor::Cursor;
 use crate::service::http::extract::{CandidateName, CandidatePath, MapPath, PageQuery};
 use crate::service::problem::{Problem, ProblemKind};
@@ -94,10 +94,11 @@ pub(super) async fn list_candidates(
     page: PageQuery,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let view = maps.view(&name).await?;
-    let start = page.cursor.map_or(Ok(0), |cursor| Cursor::start(&cursor, &view))?;
-    let read = move || Representation::of(&CandidatePage::of(&view, start, page.limit));
-    Ok(maps.read(read).await??.answer(&headers))
+    let some = move |view: &View| {
+        let start = page.cursor.map_or(Ok(0), |cursor| Cursor::start(&cursor, view))?;
+        Ok(CandidatePage::of(view, start, page.limit))
+    };
+    read(&maps, &name, &headers, some).await
 }
 
 /// Read the preferred candidate: the simplest map.
@@ -120,9 +121,8 @@ pub(super) async fn get_preferred(
     MapPath(name): MapPath,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let view = maps.view(&name).await?;
-    let read = move || Representation::of(&Preferred::of(&view.report).ok_or_else(|| none_left(&view))?);
-    Ok(maps.read(read).await??.answer(&headers))
+    let preferred = |view: &View| Preferred::of(&view.report).ok_or_else(|| none_left(view));
+    read(&maps, &name, &headers, preferred).await
 }
 
 /// Read the map of a candidate as a graph.
@@ -147,13 +147,12 @@ pub(super) async fn get_graph(
     CandidatePath(name, candidate): CandidatePath,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let view = maps.view(&name).await?;
-    let read = move || {
-        let position = candidate.position(&view)?;
-        let candidate = view.abduction.candidate(position).ok_or_else(|| none_left(&view))?;
-        Representation::of(&MapGraph::of(&candidate))
+    let graph = move |view: &View| {
+        let position = candidate.position(view)?;
+        let candidate = view.abduction.candidate(position).ok_or_else(|| none_left(view))?;
+        Ok(MapGraph::of(&candidate))
     };
-    Ok(maps.read(read).await??.answer(&headers))
+    read(&maps, &name, &headers, graph).await
 }
 
 impl CandidateName {
