@@ -199,15 +199,16 @@ impl Layout {
     /// Estimates the errors anew; the largest change.
     fn adjust(&mut self) -> Option<f64> {
         self.solve()?;
-        self.pulled(self.whitened.clone(), None)
+        self.pulled(self.whitened.clone(), None, 1.0)
     }
 
-    /// Estimates the errors by what pulls at the loops, in units of their covariance, and at one more span; the largest
-    /// change.
+    /// Moves the errors so far of the way to what they are by what pulls at the loops, in units of their covariance, and at
+    /// one more span; the largest change.
     pub(super) fn pulled(
         &mut self,
         mut pull: DVector<f64>,
         beside: Option<(Span, Vector3<f64>)>,
+        way: f64,
     ) -> Option<f64> {
         self.root.tr_solve_lower_triangular_mut(&mut pull).then_some(())?;
         let mut bias = Vector3::zeros();
@@ -224,7 +225,8 @@ impl Layout {
         for (visit, pull) in pulls.iter().enumerate().take(self.poses.len()) {
             pulled += pull;
             let Some(travel) = &self.travels[visit] else { continue };
-            let error = travel.own * (self.twists[visit].transpose() * pulled) + travel.common * bias;
+            let goal = travel.own * (self.twists[visit].transpose() * pulled) + travel.common * bias;
+            let error = goal * way + self.errors[visit] * (1.0 - way);
             change = change.max((error - self.errors[visit]).amax());
             self.errors[visit] = error;
         }

@@ -18,6 +18,8 @@ const SIDES: usize = 24;
 /// near its least chi-square hardly depends on them.
 const ROUNDS: usize = 40;
 const SETTLED: f64 = 0.01;
+/// After so many linearisations each goes half of the way.
+const CALM: f64 = 8.0;
 /// How much chi-square it is to take to first order to come to the lines looked at before a side, in gates.
 const NEARER: [f64; 2] = [1.5, 3.0];
 
@@ -97,11 +99,14 @@ impl Layout {
             let pull = misses / variance;
             let (closing, _) = layout.chi_square();
             let chi_square = closing + misses * pull;
-            if (chi_square - last).abs() < SETTLED {
+            // Shorter steps end what goes to and fro between two linearisations.
+            let way = 1.0 / (1.0 + round as f64 / CALM);
+            if (chi_square - last).abs() < SETTLED * way {
                 return Some(chi_square - least);
             }
             last = chi_square;
-            layout.pulled(layout.whitened() - known * pull, Some((line.span, moves.transpose() * pull)))?;
+            let beside = (line.span, moves.transpose() * pull);
+            layout.pulled(layout.whitened() - known * pull, Some(beside), way)?;
         }
         None
     }
