@@ -12,6 +12,8 @@
 //!
 //! Metres, radians, seconds. What fields a line has is decided by the number of its words.
 
+mod layout;
+
 use crate::geometry::Pose;
 use crate::sensor::log::LogError;
 use crate::sensor::log::entry::{Content, CutOff, Entry, LaserNumber, Sweep, SweepPoses};
@@ -19,6 +21,7 @@ use crate::sensor::log::fields::Fields;
 use crate::sensor::log::lines::Lines;
 use crate::sensor::log::no_return::FRACTION;
 use crate::sensor::log::reader::{LogOptions, ScanReader};
+use layout::Layout;
 use std::borrow::Cow;
 use std::io::BufRead;
 
@@ -149,45 +152,22 @@ fn poses(fields: &mut Fields) -> Result<SweepPoses, String> {
 
 fn robot_laser(fields: &mut Fields, laser: LaserNumber) -> Result<Sweep, String> {
     let head = sweep_head(fields, laser)?;
-    let ahead = fields.numbers_ahead();
-    let remissions = fields.rest().first().and_then(|word| word.parse::<usize>().ok());
-    // Behind the numbers of the message stands its stamp and then the name of a host, which is no number.
-    let stamp = usize::from(fields.rest().len() > ahead);
-    let body = ahead.saturating_sub(stamp);
-    let (before, behind) = match remissions {
-        Some(m) if Some(body) == m.checked_add(12) => (m + 1, 5),
-        Some(m) if Some(body) == m.checked_add(11) => (m + 1, 4),
-        _ if body == 10 => (0, 4),
-        _ if body == 11 => (0, 5),
-        // The host has a number for a name.
-        Some(m) if Some(body) == m.checked_add(15) => (m + 1, 5),
-        _ if body == 13 => (0, 4),
-        _ => return Err(unfit(laser, body, "two poses and four or five numbers more behind its readings")),
-    };
-    fields.skip(before);
+    let expected = "two poses and four or five numbers more behind its readings";
+    let layout = Layout::find(layout::ROBOT, fields, laser, expected)?;
     let poses = poses(fields)?;
-    fields.skip(behind);
+    fields.skip(layout.behind_poses());
     Ok(Sweep { stamp: fields.stamp(), poses: Some(poses), ..head })
 }
 
 fn raw_laser(fields: &mut Fields, laser: LaserNumber) -> Result<Sweep, String> {
     let head = sweep_head(fields, laser)?;
-    let ahead = fields.numbers_ahead();
-    let remissions = fields.rest().first().and_then(|word| word.parse::<usize>().ok());
-    let stamp = usize::from(fields.rest().len() > ahead);
-    let body = ahead.saturating_sub(stamp);
-    match remissions {
-        Some(m) if [Some(1), Some(4)].contains(&body.checked_sub(m)) => fields.skip(m + 1),
-        _ if body == 0 => {}
-        _ => {
-            return Err(unfit(laser, body, "a number of remissions and as many of them behind its readings"));
-        }
-    }
+    Layout::find(
+        layout::RAW,
+        fields,
+        laser,
+        "a number of remissions and as many of them behind its readings",
+    )?;
     Ok(Sweep { stamp: fields.stamp(), ..head })
-}
-
-fn unfit(laser: LaserNumber, found: usize, expected: &str) -> String {
-    format!("a message of {laser} has {found} numbers after its readings, expected {expected}")
 }
 
 /// What `ROBOTLASER` and `RAWLASER` have in common, up to the readings.

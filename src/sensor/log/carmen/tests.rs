@@ -78,6 +78,8 @@ fn robot_lasers_are_read_with_and_without_remissions() {
         format!("2 7 8.5 {poses} 0.1 0.2 0.3 0.4 9.5 host 0.21"),
         format!("2 7 8.5 {poses} 0.1 0.2 0.3 0.4 1e6 9.5 127 0.21"),
         format!("{poses} 0.1 0.2 0.3 0.4 9.5 127 0.21"),
+        format!("{poses} 0.1 0.2 0.3 0.4 1e6 9.5 127 0.21"),
+        format!("2 7 8.5 {poses} 0.1 0.2 0.3 0.4 9.5 127 0.21"),
     ] {
         let (scans, _, fault) = read(format!("{head} {tail}\n"));
         assert_eq!(fault, None, "{tail}");
@@ -87,6 +89,9 @@ fn robot_lasers_are_read_with_and_without_remissions() {
         assert_eq!((scan.start_angle, scan.angle_increment), (-1.55, 1.55));
         assert_eq!(scan.ranges, [Some(1.0), None, None]);
     }
+    // Remissions, or a coordinate without its decimals.
+    let (_, _, fault) = read(format!("{head} 1 2.0 0.0 1.0 2.0 0.0 0.1 0.2 0.3 0.4 1e6 9.5 host 0.21\n"));
+    assert!(fault.unwrap().contains("has 11 numbers after its readings, expected two poses"));
     let (_, _, fault) = read(format!("{FLASER}{head} {poses} 1 2\n"));
     assert!(fault.unwrap().starts_with("line 2: a message of the front laser has 8 numbers after"));
 }
