@@ -63,10 +63,11 @@ impl<R: BufRead> CarmenEntries<R> {
         }
         let (line, cut_off) = (self.lines.number, self.lines.cut_off());
         let cut = || Ok(Some(Entry { kind: "".into(), content: Content::CutOff(CutOff::Line(line)) }));
-        match parse(&self.lines.text()) {
+        match self.lines.text().and_then(|text| parse(&text)) {
             Ok((entry, complete)) if complete || !cut_off => Ok(Some(entry)),
             Ok(_) => cut(),
-            Err(_) if cut_off => cut(),
+            // A file without a single line end is no log that breaks off.
+            Err(_) if cut_off && (line > 1 || self.lines.broken_off) => cut(),
             Err(message) => Err(LogError::Line { line, message }),
         }
     }

@@ -1,6 +1,7 @@
 //! Lines of bounded length, and where they end too early.
 
 use crate::sensor::log::LogError;
+use std::borrow::Cow;
 use std::io::{self, BufRead, Read};
 
 /// The longest line that is read, bytes; a scan of the most beams fits.
@@ -42,10 +43,20 @@ impl<R: BufRead> Lines<R> {
         Ok(!self.buffer.is_empty())
     }
 
-    /// The current line, its bytes that are no UTF-8 replaced, without a byte order mark.
-    pub(super) fn text(&self) -> std::borrow::Cow<'_, str> {
-        let mark = if self.number == 1 { &b"\xef\xbb\xbf"[..] } else { b"" };
-        String::from_utf8_lossy(self.buffer.strip_prefix(mark).unwrap_or(&self.buffer))
+    /// The current line, its bytes that are no UTF-8 replaced, without a byte order mark. Fails on what shows that this is
+    /// no text, or text in another encoding: the mark of UTF-16, or a NUL byte.
+    pub(super) fn text(&self) -> Result<Cow<'_, str>, String> {
+        let first = self.number == 1;
+        let utf_16 =
+            first && [&b"\xff\xfe"[..], b"\xfe\xff"].iter().any(|mark| self.buffer.starts_with(mark));
+        if utf_16 || self.buffer.contains(&0) {
+            let found = if utf_16 { "begins with the mark of UTF-16" } else { "has a NUL byte" };
+            return Err(format!(
+                "{found}, expected UTF-8 text; `iconv -f UTF-16 -t UTF-8` makes that of UTF-16 text"
+            ));
+        }
+        let mark = if first { &b"\xef\xbb\xbf"[..] } else { b"" };
+        Ok(String::from_utf8_lossy(self.buffer.strip_prefix(mark).unwrap_or(&self.buffer)))
     }
 
     /// Whether the current line has no line end.

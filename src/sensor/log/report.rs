@@ -147,6 +147,10 @@ impl LogReport {
                  with stamps of the same clock"
             );
         }
+        let empty: u64 = self.lasers.values().map(|laser| laser.empty).sum();
+        if empty > 0 {
+            return format!("{empty} sweeps have fewer than two beams, expected some with more");
+        }
         let kinds: Vec<String> = self.read.iter().chain(&self.passed_over).map(counted).collect();
         let found = if kinds.is_empty() { "nothing at all".into() } else { kinds.join(", ") };
         let broken = if self.broken_off { ", and breaks off there" } else { "" };

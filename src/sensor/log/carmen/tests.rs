@@ -193,6 +193,41 @@ fn a_byte_order_mark_does_not_hide_the_first_scan() {
 }
 
 #[test]
+fn text_that_is_no_utf_8_is_refused_and_not_taken_apart() {
+    let wide = |bytes: fn(u16) -> [u8; 2], mark: &str| -> Vec<u8> {
+        format!("{mark}{FLASER}{FLASER}").encode_utf16().flat_map(bytes).collect()
+    };
+    for (text, found) in [
+        (wide(u16::to_le_bytes, "\u{feff}"), "begins with the mark of UTF-16"),
+        (wide(u16::to_be_bytes, "\u{feff}"), "begins with the mark of UTF-16"),
+        (wide(u16::to_le_bytes, ""), "has a NUL byte"),
+        (wide(u16::to_be_bytes, ""), "has a NUL byte"),
+        (vec![0; 100], "has a NUL byte"),
+    ] {
+        let (scans, report, fault) = read(text);
+        assert_eq!((scans.len(), report.passed_over.len()), (0, 0));
+        assert_eq!(
+            fault.unwrap(),
+            format!(
+                "line 1: {found}, expected UTF-8 text; `iconv -f UTF-16 -t UTF-8` makes that of UTF-16 text"
+            )
+        );
+    }
+    // What a crash leaves at the end of a file.
+    let (scans, report, fault) = read([FLASER.as_bytes(), &[0; 100]].concat());
+    assert_eq!((scans.len(), report.cut_off_line, fault), (1, Some(2), None));
+}
+
+#[test]
+fn sweeps_without_beams_are_told_from_no_sweeps() {
+    let (_, _, fault) = read("FLASER 1 1 0 0 0 0 0 0 1 h 0\nFLASER 0 0 0 0 0 0 0 1 h 0\n");
+    assert_eq!(
+        fault.unwrap(),
+        "no scan in the log: 2 sweeps have fewer than two beams, expected some with more"
+    );
+}
+
+#[test]
 fn a_line_without_end_is_refused_before_it_fills_the_memory() {
     let endless = FLASER.as_bytes().chain(io::repeat(b'0'));
     let (scans, fault) = carmen_scans(io::BufReader::new(endless), LogOptions::default()).read_all();
