@@ -212,10 +212,31 @@ fn what_cannot_be_read_says_what_was_expected() {
         error.starts_with("message 2 of the bag, on /scan, is encoded in XCDR2, expected plain CDR"),
         "{error}"
     );
-    let error = read(b"no bag".to_vec()).unwrap_err();
-    assert!(error.starts_with("the bag has no topic"), "{error}");
-    let error = read(b"not a bag at all".to_vec()).unwrap_err();
-    assert!(error.starts_with("is no MCAP file"), "{error}");
+    for file in [&b"no bag"[..], b"", &mcap::MAGIC[..7], b"not a bag at all"] {
+        let error = read(file.to_vec()).unwrap_err();
+        assert!(error.starts_with("is no MCAP file"), "{error}");
+    }
+}
+
+#[test]
+fn a_bag_without_the_topics_says_whether_it_is_whole() {
+    let whole = bag(None, "cdr", &drive(false)[..1]);
+    let error = |files: &[&[u8]]| {
+        let files: Vec<Vec<u8>> = files.iter().map(|file| file.to_vec()).collect();
+        read_files(&files, LogOptions::default()).unwrap_err()
+    };
+    let missing = "the bag has no topic of type sensor_msgs/msg/LaserScan, it has";
+    assert_eq!(error(&[&whole]), format!("{missing} /odom (nav_msgs/msg/Odometry)"));
+    let said = format!("{missing} /odom (nav_msgs/msg/Odometry), and breaks off there");
+    assert_eq!(error(&[&whole[..whole.len() - 200]]), said);
+    // The recorder had just begun its second file.
+    for length in [0, 7, 8] {
+        assert_eq!(error(&[&whole, &mcap::MAGIC[..length]]), said, "{length}");
+    }
+    let said = format!("{missing} /odom (nav_msgs/msg/Odometry), and is damaged there");
+    assert_eq!(error(&[&whole, b"not a bag at all"]), said);
+    assert_eq!(error(&[&whole, b"no bag"]), said);
+    assert_eq!(error(&[mcap::MAGIC]), format!("{missing} no message at all, and breaks off there"));
 }
 
 #[test]
