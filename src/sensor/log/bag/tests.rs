@@ -70,7 +70,17 @@ fn isometry(x: f64, y: f64, roll: f64, yaw: f64) -> Isometry3<f64> {
 
 /// Start angle, increment and ranges; nearest 0.1 m, farthest 10 m.
 fn scan(big: bool, stamp: f64, start: f64, step: f64, ranges: &[f64]) -> Vec<u8> {
-    let head = [start, start + step * ranges.len() as f64, step, 0.0, 0.1, 0.1, 10.0];
+    bounded_scan(big, stamp, (start, step), (0.1, 10.0), ranges)
+}
+
+fn bounded_scan(
+    big: bool,
+    stamp: f64,
+    (start, step): (f64, f64),
+    (nearest, farthest): (f64, f64),
+    ranges: &[f64],
+) -> Vec<u8> {
+    let head = [start, start + step * ranges.len() as f64, step, 0.0, 0.1, nearest, farthest];
     let out = Out::new(big).header(stamp, "laser");
     let out = head.iter().fold(out, |out, value| out.f32(*value)).u32(ranges.len() as u32);
     ranges.iter().fold(out, |out, range| out.f32(*range)).u32(0).bytes
@@ -237,6 +247,41 @@ fn a_bag_without_the_topics_says_whether_it_is_whole() {
     assert_eq!(error(&[&whole, b"not a bag at all"]), said);
     assert_eq!(error(&[&whole, b"no bag"]), said);
     assert_eq!(error(&[mcap::MAGIC]), format!("{missing} no message at all, and breaks off there"));
+}
+
+#[test]
+fn bounds_that_were_not_filled_in_discard_nothing() {
+    let nan = f64::NAN;
+    let ranges = [0.25, 1.0, 5.0, 12.0, f64::INFINITY];
+    let with_bounds = |bounds: (f64, f64)| {
+        let mut sent = drive(false);
+        for (k, (_, _, data)) in sent.iter_mut().filter(|(topic, ..)| *topic == "/scan").enumerate() {
+            // The farthest differ, so that none stands out.
+            let ranges = ranges.map(|range| if range == 12.0 { range + k as f64 / 8.0 } else { range });
+            *data = bounded_scan(false, 100.1 + k as f64 / 4.0, (-1.0, 0.5), bounds, &ranges);
+        }
+        read(bag(None, "cdr", &sent)).unwrap()
+    };
+    for (bounds, from, to) in [
+        ((0.1, 10.0), 0, 3),
+        ((0.1, 0.0), 0, 4),
+        ((0.0, 0.0), 0, 4),
+        ((0.5, nan), 1, 4),
+        ((0.5, 0.4), 1, 4),
+        ((nan, 10.0), 0, 3),
+        ((nan, nan), 0, 4),
+        ((f64::INFINITY, 10.0), 0, 3),
+        ((0.5, f64::INFINITY), 1, 4),
+    ] {
+        let (scans, report) = with_bounds(bounds);
+        let valid = |k: usize| (from..to).contains(&k).then(|| ranges[k]);
+        assert_eq!(scans[0].ranges, [0, 1, 2, 3, 4].map(valid), "{bounds:?}");
+        let told = report.remarks.iter().any(|remark| {
+            remark.starts_with("from message 2 on, /scan has range_min") && remark.contains("--max-range")
+        });
+        let filled = bounds.0 < bounds.1 && bounds.0.is_finite();
+        assert_eq!((told, report.remarks.len()), (!filled, 2 - usize::from(filled)), "{bounds:?}");
+    }
 }
 
 #[test]
