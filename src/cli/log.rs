@@ -79,7 +79,7 @@ pub(super) fn read_log(input: &Path, args: &LogArgs) -> Result<LogScans, Failure
     let entries: Box<dyn Iterator<Item = _> + Send> = match plain_extension(input).as_str() {
         "clf" | "log" if !input.is_dir() => {
             let file = opened(input, &bar(size(input)))?;
-            Box::new(CarmenEntries::new(decompressed(input, file)))
+            Box::new(CarmenEntries::with_options(decompressed(input, file), &options))
         }
         _ => {
             let files = bag_files(input)?;

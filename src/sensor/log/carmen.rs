@@ -18,6 +18,7 @@ use crate::geometry::Pose;
 use crate::sensor::log::LogError;
 use crate::sensor::log::entry::{Content, CutOff, Entry, LaserNumber, Sweep, SweepPoses};
 use crate::sensor::log::fields::Fields;
+use crate::sensor::log::geometry;
 use crate::sensor::log::lines::Lines;
 use crate::sensor::log::no_return::FRACTION;
 use crate::sensor::log::reader::{LogOptions, ScanReader};
@@ -27,20 +28,27 @@ use std::io::BufRead;
 
 /// The scans of a CARMEN log.
 pub fn carmen_scans<R: BufRead>(input: R, options: LogOptions) -> ScanReader<CarmenEntries<R>> {
-    ScanReader::new(CarmenEntries::new(input), options)
+    let entries = CarmenEntries::with_options(input, &options);
+    ScanReader::new(entries, options)
 }
 
 /// The messages of a CARMEN log in file order. Ends after the first malformed line.
 #[derive(Debug)]
 pub struct CarmenEntries<R> {
     lines: Lines<R>,
+    start_told: bool,
     ended: bool,
 }
 
 impl<R: BufRead> CarmenEntries<R> {
     /// Over the text of a log.
     pub fn new(input: R) -> Self {
-        CarmenEntries { lines: Lines::new(input), ended: false }
+        CarmenEntries::with_options(input, &LogOptions::default())
+    }
+
+    /// The same, where a told angle of the first beam needs none in the messages.
+    pub fn with_options(input: R, options: &LogOptions) -> Self {
+        CarmenEntries { lines: Lines::new(input), start_told: options.start_angle.is_some(), ended: false }
     }
 
     /// The true poses alone, each with its stamp: seconds, and the pose of the robot in the simulated world.
@@ -63,13 +71,25 @@ impl<R: BufRead> CarmenEntries<R> {
         }
         let (line, cut_off) = (self.lines.number, self.lines.cut_off());
         let cut = || Ok(Some(Entry { kind: "".into(), content: Content::CutOff(CutOff::Line(line)) }));
-        match self.lines.text().and_then(|text| parse(&text)) {
+        let parsed = self.lines.text().and_then(|text| parse(&text));
+        match parsed.and_then(|parsed| self.checked(parsed)) {
             Ok((entry, complete)) if complete || !cut_off => Ok(Some(entry)),
             Ok(_) => cut(),
             // A file without a single line end is no log that breaks off.
             Err(_) if cut_off && (line > 1 || self.lines.broken_off) => cut(),
             Err(message) => Err(LogError::Line { line, message }),
         }
+    }
+
+    fn checked(&self, (entry, complete): (Entry, bool)) -> Result<(Entry, bool), String> {
+        if let Content::Sweep(Sweep {
+            start_angle: Some(start), angle_increment: Some(step), ranges, ..
+        }) = &entry.content
+        {
+            let fault = geometry::check((*start, *step), ranges.len(), self.start_told);
+            fault.map_err(|fault| format!("{} {fault}", entry.kind))?;
+        }
+        Ok((entry, complete))
     }
 }
 

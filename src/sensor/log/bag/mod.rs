@@ -9,6 +9,7 @@ mod survey;
 pub use survey::{BagSurvey, Topic};
 
 use crate::sensor::log::entry::{Content, CutOff, Entry, LaserNumber, Sweep};
+use crate::sensor::log::geometry;
 use crate::sensor::log::reader::{LogOptions, ScanReader};
 use crate::sensor::log::{LARGEST, LogError};
 use frames::PlanarMount;
@@ -40,6 +41,7 @@ pub struct BagEntries<I, R> {
     odometry: String,
     robot_frame: String,
     mount_told: bool,
+    start_told: bool,
     mounts: BTreeMap<String, PlanarMount>,
     remarks: VecDeque<String>,
     bounds_told: bool,
@@ -61,6 +63,7 @@ impl<I: Iterator<Item = io::Result<R>>, R: Read> BagEntries<I, R> {
             odometry,
             robot_frame,
             mount_told: options.mount.is_some(),
+            start_told: options.start_angle.is_some(),
             mounts: BTreeMap::new(),
             remarks: [remark].into(),
             bounds_told: false,
@@ -97,6 +100,8 @@ impl<I: Iterator<Item = io::Result<R>>, R: Read> BagEntries<I, R> {
 
     fn sweep(&mut self, data: &[u8], recorded: f64) -> Result<Sweep, String> {
         let scan = ScanMessage::decode(data)?;
+        let angles = (scan.start_angle, scan.angle_increment);
+        geometry::check(angles, scan.ranges.len(), self.start_told)?;
         let mount = self.mount(&scan.header.frame)?;
         let (nearest, farthest) = self.bounds(&scan);
         let valid = |range: f64| if range >= nearest && range < farthest { range } else { f64::NAN };

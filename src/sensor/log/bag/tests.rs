@@ -285,6 +285,25 @@ fn bounds_that_were_not_filled_in_discard_nothing() {
 }
 
 #[test]
+fn angles_of_no_laser_are_refused_unless_the_user_knows_them() {
+    let refused = |start: f64, step: f64, options: LogOptions| {
+        let mut sent = drive(false);
+        sent[1].2 = scan(false, 100.1, start, step, &[1.0; 5]);
+        read_files(&[bag(None, "cdr", &sent)], options).err().unwrap_or_default()
+    };
+    for step in [1e30, 1e38, 1e-30, -1e30, 0.0, f64::NAN] {
+        let error = refused(-1.0, step, LogOptions::default());
+        assert!(error.starts_with("message 2 of the bag, on /scan, has 5 beams in steps of"), "{error}");
+    }
+    for start in [1e38, f64::NAN, f64::INFINITY] {
+        let error = refused(start, 0.5, LogOptions::default());
+        assert!(error.contains("has a first beam at") && error.contains("--start-angle"), "{error}");
+        let told = LogOptions { start_angle: Some(-1.0), ..LogOptions::default() };
+        assert_eq!(refused(start, 0.5, told), "");
+    }
+}
+
+#[test]
 fn a_laser_without_transforms_needs_to_be_told_where_it_sits() {
     let mut sent = drive(false);
     sent.pop();

@@ -97,6 +97,14 @@ fn robot_lasers_are_read_with_and_without_remissions() {
 }
 
 #[test]
+fn a_told_start_angle_needs_none_in_the_messages() {
+    let line = "ROBOTLASER1 0 -90 2 1 80 0.01 0 2 1 2 0 1 2 0 1 2 0 1 2 3 4 5 9.5 host 0.21\n";
+    let options = LogOptions { start_angle: Some(-1.0), ..LogOptions::default() };
+    let (scans, _, fault) = read_with(line, options);
+    assert_eq!((scans[0].start_angle, scans[0].angle_increment, fault), (-1.0, 1.0, None));
+}
+
+#[test]
 fn a_raw_sweep_lies_between_the_odometry_around_it() {
     let odom = |x: f64, t: f64| format!("ODOM {x} 0 0 0.1 0 0 {t} host {t}\n");
     let raw = |t: f64| format!("RAWLASER2 0 -1.5 3.0 1.5 20 0.01 0 3 1 2 3 0 {t} host {t}\n");
@@ -251,6 +259,19 @@ fn a_broken_line_is_refused_with_its_number_and_what_came_before_is_kept() {
         ("ODOM 1 2\n", "ODOM ends before the robot's pose"),
         ("ODOM 1e300 2 0 0 0 0 0 h 0\n", "ODOM has `1e300` as the robot's pose"),
         ("RAWLASER1 0 0 3 1 20 0 0 2 1 2 5 6 7 h 0\n", "a message of the front laser has 2 numbers after"),
+        (
+            "RAWLASER2 0 1e10 3 1 20 0 0 2 1 2 0 7 h 0\n",
+            "RAWLASER2 has a first beam at 10000000000 radians, expected an angle within a turn; --start-angle",
+        ),
+        (
+            "ROBOTLASER1 0 -90 180 1 80 0.01 0 2 1 2 0 1 2 0 1 2 0 1 2 3 4 5 9.5 host 0.21\n",
+            "ROBOTLASER1 has a first beam at -90 radians, expected an angle within a turn; --start-angle",
+        ),
+        (
+            "RAWLASER1 0 -1.5 180 90 20 0 0 2 1 2 0 7 h 0\n",
+            "RAWLASER1 has 2 beams in steps of 90 radians, expected them to cover at most a turn",
+        ),
+        ("RAWLASER1 0 -1.5 1e-9 0 20 0 0 2 1 2 0 7 h 0\n", "RAWLASER1 has 2 beams in steps of"),
         ("TRUEPOS 1\n", "TRUEPOS ends before the true pose"),
         ("PARAM\n", "PARAM ends before a name"),
     ] {
