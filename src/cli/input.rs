@@ -1,6 +1,7 @@
 //! Input files: traces and recorded logs, plain or compressed, or standard input.
 
 use crate::cli::failure::Failure;
+use crate::cli::gzip::GzipMembers;
 use crate::cli::log::{LogArgs, LogScans, is_log, read_log};
 use crate::geometry::Pose;
 use crate::patchwork::assembly::Stop;
@@ -13,7 +14,6 @@ use crate::visit::relations::{Relation, Track};
 use crate::visit::truth::Timetable;
 use crate::visit::{AnnotatedVisits, Stage, Visit, VisitDetector, VisitParameters};
 use bzip2::read::MultiBzDecoder;
-use flate2::read::MultiGzDecoder;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
@@ -218,7 +218,7 @@ pub(super) fn open(path: &Path) -> Result<Box<dyn BufRead>, Failure> {
 pub(super) fn decompressed(path: &Path, file: impl Read + Send + 'static) -> Box<dyn BufRead + Send> {
     match extension(path).as_str() {
         "bz2" => Box::new(BufReader::new(MultiBzDecoder::new(file))),
-        "gz" => Box::new(BufReader::new(MultiGzDecoder::new(file))),
+        "gz" => Box::new(BufReader::new(GzipMembers::new(BufReader::new(file)))),
         _ => Box::new(BufReader::new(file)),
     }
 }

@@ -128,6 +128,15 @@ fn a_log_that_breaks_off_is_mapped_as_far_as_it_goes() {
     let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(0), "{said}");
     assert!(said.contains("the file breaks off before its end"), "{said}");
+    let (_kept, log, visits) = folder("run.log.gz", &[&whole[..], &[0; 8]].concat());
+    let output = map(&log, &visits, &[]);
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    assert!(
+        said.contains("121 scans") && said.contains("bytes behind the end of the compressed file"),
+        "{said}"
+    );
+    assert!(!said.contains("breaks off"), "{said}");
 }
 
 #[test]

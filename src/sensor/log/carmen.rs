@@ -66,8 +66,7 @@ impl<R: BufRead> CarmenEntries<R> {
         let more = self.lines.advance()?;
         if !more {
             self.ended = true;
-            let cut_off = Entry { kind: "".into(), content: Content::CutOff(CutOff::Stream) };
-            return Ok(self.lines.broken_off.then_some(cut_off));
+            return Ok(self.last_word().map(|content| Entry { kind: "".into(), content }));
         }
         let (line, cut_off) = (self.lines.number, self.lines.cut_off());
         let cut = || Ok(Some(Entry { kind: "".into(), content: Content::CutOff(CutOff::Line(line)) }));
@@ -78,6 +77,17 @@ impl<R: BufRead> CarmenEntries<R> {
             // A file without a single line end is no log that breaks off.
             Err(_) if cut_off && (line > 1 || self.lines.broken_off) => cut(),
             Err(message) => Err(LogError::Line { line, message }),
+        }
+    }
+
+    /// What is to be said of the end of the file.
+    fn last_word(&self) -> Option<Content> {
+        let passed_over =
+            "bytes behind the end of the compressed file were passed over; nothing is missing before them";
+        if self.lines.broken_off {
+            Some(Content::CutOff(CutOff::Stream))
+        } else {
+            self.lines.trailing_bytes.then(|| Content::Remark(passed_over.into()))
         }
     }
 

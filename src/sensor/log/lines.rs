@@ -3,9 +3,22 @@
 use crate::sensor::log::LogError;
 use std::borrow::Cow;
 use std::io::{self, BufRead, Read};
+use thiserror::Error;
 
 /// The longest line that is read, bytes; a scan of the most beams fits.
 const MAX_LINE: u64 = 4 * 1024 * 1024;
+
+/// What a reader says that decompresses, once it has read all, of bytes behind that.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error("the compressed stream has come to its end, and other bytes follow, expected none")]
+pub struct TrailingBytes;
+
+impl TrailingBytes {
+    /// Whether this is what an error says.
+    pub fn is(error: &io::Error) -> bool {
+        error.get_ref().is_some_and(|cause| cause.is::<TrailingBytes>())
+    }
+}
 
 /// Reads a text line by line into one buffer.
 #[derive(Debug)]
@@ -16,17 +29,19 @@ pub(super) struct Lines<R> {
     pub(super) number: u64,
     /// Whether the input broke off inside a compressed stream.
     pub(super) broken_off: bool,
+    /// Whether other bytes follow the compressed stream.
+    pub(super) trailing_bytes: bool,
 }
 
 impl<R: BufRead> Lines<R> {
     pub(super) fn new(input: R) -> Self {
-        Lines { input, buffer: Vec::new(), number: 0, broken_off: false }
+        Lines { input, buffer: Vec::new(), number: 0, broken_off: false, trailing_bytes: false }
     }
 
     /// Goes to the next line; false at the end of the input.
     pub(super) fn advance(&mut self) -> Result<bool, LogError> {
         self.buffer.clear();
-        if self.broken_off {
+        if self.broken_off || self.trailing_bytes {
             return Ok(false);
         }
         self.number += 1;
@@ -34,6 +49,7 @@ impl<R: BufRead> Lines<R> {
         match self.input.by_ref().take(MAX_LINE + 1).read_until(b'\n', &mut self.buffer) {
             Ok(_) => {}
             Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => self.broken_off = true,
+            Err(error) if TrailingBytes::is(&error) => self.trailing_bytes = true,
             Err(source) => return Err(LogError::Read { line, source }),
         }
         if self.buffer.len() as u64 > MAX_LINE {

@@ -22,6 +22,7 @@ mod report;
 pub use bag::{BagEntries, BagSurvey, Topic, bag_scans};
 pub use carmen::{CarmenEntries, carmen_scans};
 pub use entry::{Content, CutOff, Entry, LaserNumber, Sweep, SweepPoses};
+pub use lines::TrailingBytes;
 pub use no_return::NoReturnSource;
 pub use reader::{LogOptions, PoseChoice, ScanReader};
 pub use report::{Geometry, GeometrySource, LaserReport, LogReport, MountSource};

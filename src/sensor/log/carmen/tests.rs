@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::sensor::LaserScan;
-use crate::sensor::log::{LogReport, MountSource, PoseChoice};
+use crate::sensor::log::{LogReport, MountSource, PoseChoice, TrailingBytes};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::io::{self, Read};
@@ -308,6 +308,25 @@ fn a_stream_that_breaks_off_keeps_what_came_before() {
         let (scans, fault) = reader.read_all();
         assert!(fault.is_none() && scans.len() == 1, "{fault:?}");
         assert_eq!((reader.report().broken_off, reader.report().cut_off_line), (true, line));
+    }
+}
+
+#[test]
+fn bytes_behind_a_whole_stream_are_no_early_end() {
+    struct Trail;
+    impl Read for Trail {
+        fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
+            Err(io::Error::other(TrailingBytes))
+        }
+    }
+    for (text, line) in [(FLASER.to_owned(), None), (format!("{FLASER}FLASER 3 1."), Some(2))] {
+        let input = io::BufReader::new(text.as_bytes().chain(Trail));
+        let mut reader = carmen_scans(input, LogOptions::default());
+        let (scans, fault) = reader.read_all();
+        let report = reader.report();
+        assert!(fault.is_none() && scans.len() == 1, "{fault:?}");
+        assert_eq!((report.broken_off, report.cut_off_line, report.remarks.len()), (false, line, 1));
+        assert!(report.remarks[0].starts_with("bytes behind the end of the compressed file"));
     }
 }
 
