@@ -55,8 +55,8 @@ pub(super) fn read_events(input: &Path, visits: Option<&Path>, log: &LogArgs) ->
         }
         (false, None) => {
             let (events, error) = read_lines(open(input)?);
-            let events = events.into_iter().map(|(line, event)| (format!("line {line}"), event)).collect();
             let hint = if events.is_empty() { hint_at_logs(input) } else { "" };
+            let events = events.into_iter().map(|(line, event)| (format!("line {line}"), event)).collect();
             let fault = error.map(|error| Failure::input(input, format!("{error}{hint}")));
             Ok(Events { events, fault, ..Events::default() })
         }
