@@ -92,6 +92,7 @@ fn the_reports_say_what_is_known_of_these_logs() {
     let (_, csail) = read("mit-csail", LogOptions::default());
     assert_eq!(front(&csail).no_return_source, NoReturnSource::SickCodes);
     for (report, no_returns) in [(aces, 11_336), (fr079, 36_881), (csail, 23_711)] {
+        assert_eq!(report.impossible_steps, 0, "{report}");
         assert_eq!(front(&report).no_returns, no_returns, "{report}");
     }
 }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::sensor::LaserScan;
-use crate::sensor::log::{LogReport, MountSource, PoseChoice, TrailingBytes};
+use crate::sensor::log::{LogReport, MountSource, PoseChoice, Step, TrailingBytes};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::io::{self, Read};
@@ -179,6 +179,23 @@ fn stamps_may_be_missing_repeated_or_early() {
     assert_eq!((stamps, fault), (vec![0.0, 5.0, 5.0, 4.5, 6.0], None));
     let front = report.lasers[&LaserNumber::FRONT];
     assert_eq!((front.unstamped, front.same_stamp, front.backwards), (1, 1, 1));
+}
+
+#[test]
+fn leaps_of_the_odometry_are_counted() {
+    let line = |x: f64, t: f64| format!("FLASER 2 1 2 {x} 0 0 {x} 0 0 {t} host 0\n");
+    let drive = |steps: &[(f64, f64)]| read(steps.iter().map(|(x, t)| line(*x, *t)).collect::<String>()).1;
+    let report = drive(&[(0.0, 0.0), (0.4, 0.2), (3.0, 0.4), (3.0, 0.6), (-1.0, 0.5), (40.0, 10.5)]);
+    let Step { scan, metres, seconds } = report.first_impossible_step.unwrap();
+    assert_eq!((report.impossible_steps, scan), (2, 2));
+    assert!((metres - 2.6).abs() < 1e-9 && (seconds - 0.2).abs() < 1e-9);
+    let said = "2 steps between scans are more than a robot makes; the first, to scan 2 (from 0), is 2.60 m in 0.200 s";
+    assert!(report.to_string().contains(said), "{report}");
+    let report = drive(&[(0.0, 0.0), (0.4, 0.2), (4.0, 2.0)]);
+    assert!(report.impossible_steps == 0 && !report.to_string().contains("a robot makes"), "{report}");
+    // Without stamps nobody knows how long it took.
+    let unstamped = |x: f64| format!("FLASER 2 1 2 {x} 0 0 {x} 0 0\n");
+    assert_eq!(read([0.0, 3.0, 6.0].map(unstamped).concat()).1.impossible_steps, 0);
 }
 
 #[test]
