@@ -1,6 +1,7 @@
 //! Input files: traces and recorded logs, plain or compressed, or standard input.
 
 use crate::cli::failure::Failure;
+use crate::cli::gzip::GzipMembers;
 use crate::cli::log::{LogArgs, LogScans, is_log, read_log};
 use crate::geometry::Pose;
 use crate::patchwork::assembly::Stop;
@@ -13,7 +14,6 @@ use crate::visit::relations::{Relation, Track};
 use crate::visit::truth::Timetable;
 use crate::visit::{AnnotatedVisits, Stage, Visit, VisitDetector, VisitParameters};
 use bzip2::read::MultiBzDecoder;
-use flate2::read::MultiGzDecoder;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
@@ -55,18 +55,36 @@ pub(super) fn read_events(input: &Path, visits: Option<&Path>, log: &LogArgs) ->
         }
         (false, None) => {
             let (events, error) = read_lines(open(input)?);
+            let hint = if events.is_empty() { hint_at_logs(input) } else { "" };
             let events = events.into_iter().map(|(line, event)| (format!("line {line}"), event)).collect();
-            let fault = error.map(|error| Failure::input(input, error));
+            let fault = error.map(|error| Failure::input(input, format!("{error}{hint}")));
             Ok(Events { events, fault, ..Events::default() })
         }
     }
 }
 
-/// The extension of a file name once that of a compression is taken off; empty if there is none.
+/// What may help where a file does not even begin as a trace does.
+fn hint_at_logs(input: &Path) -> &'static str {
+    match plain_extension(input).as_str() {
+        "ndjson" | "jsonl" => "",
+        _ => {
+            "\n  it was read as a trace; a log is known by the end of its name: .clf or .log, also with .gz or .bz2 behind \
+             it, or .mcap"
+        }
+    }
+}
+
+/// The extension of a file name, in small letters.
+pub(super) fn extension(path: &Path) -> String {
+    path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
+}
+
+/// The extension of a file name once that of a compression is taken off, in small letters; empty if there is none.
 pub(super) fn plain_extension(path: &Path) -> String {
-    let compressed = path.extension().is_some_and(|ending| ending == "bz2" || ending == "gz");
-    let plain = if compressed { path.with_extension("") } else { path.to_owned() };
-    plain.extension().map(|ending| ending.to_string_lossy().into_owned()).unwrap_or_default()
+    match extension(path).as_str() {
+        "bz2" | "gz" => extension(&path.with_extension("")),
+        plain => plain.to_owned(),
+    }
 }
 
 /// The events of a log up to its first fault.
@@ -198,9 +216,9 @@ pub(super) fn open(path: &Path) -> Result<Box<dyn BufRead>, Failure> {
 
 /// The content of a file, decompressed by the ending of its name.
 pub(super) fn decompressed(path: &Path, file: impl Read + Send + 'static) -> Box<dyn BufRead + Send> {
-    match path.extension().and_then(|e| e.to_str()).unwrap_or_default() {
+    match extension(path).as_str() {
         "bz2" => Box::new(BufReader::new(MultiBzDecoder::new(file))),
-        "gz" => Box::new(BufReader::new(MultiGzDecoder::new(file))),
+        "gz" => Box::new(BufReader::new(GzipMembers::new(BufReader::new(file)))),
         _ => Box::new(BufReader::new(file)),
     }
 }

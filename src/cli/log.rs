@@ -1,7 +1,7 @@
 //! Recorded logs as inputs: CARMEN logs, ROS 2 bags as files or as the folders that `ros2 bag record` makes.
 
 use crate::cli::failure::Failure;
-use crate::cli::input::{decompressed, plain_extension};
+use crate::cli::input::{decompressed, extension, plain_extension};
 use crate::cli::{metres, pose};
 use crate::geometry::Pose;
 use crate::sensor::log::{
@@ -70,7 +70,8 @@ impl LogArgs {
 /// Whether an input is a log by its name: a CARMEN log, a bag, or the folder of one.
 pub(super) fn is_log(input: &Path) -> bool {
     let named = matches!(plain_extension(input).as_str(), "clf" | "log" | "mcap" | "db3");
-    named || input.to_string_lossy().ends_with(".mcap.zstd") || input.is_dir()
+    let zstd = extension(input) == "zstd" && extension(&input.with_extension("")) == "mcap";
+    named || zstd || input.is_dir()
 }
 
 /// The scans of a log. Reading shows a bar on a terminal.
@@ -79,7 +80,7 @@ pub(super) fn read_log(input: &Path, args: &LogArgs) -> Result<LogScans, Failure
     let entries: Box<dyn Iterator<Item = _> + Send> = match plain_extension(input).as_str() {
         "clf" | "log" if !input.is_dir() => {
             let file = opened(input, &bar(size(input)))?;
-            Box::new(CarmenEntries::new(decompressed(input, file)))
+            Box::new(CarmenEntries::with_options(decompressed(input, file), &options))
         }
         _ => {
             let files = bag_files(input)?;
@@ -123,7 +124,7 @@ fn bag_files(input: &Path) -> Result<Vec<PathBuf>, Failure> {
     } else {
         vec![input.to_owned()]
     };
-    let ending = |name: &'static str| move |path: &&PathBuf| path.extension().is_some_and(|e| e == name);
+    let ending = |name: &'static str| move |path: &&PathBuf| extension(path) == name;
     let mut files: Vec<PathBuf> = found.iter().filter(ending("mcap")).cloned().collect();
     files.sort_by_key(|file| recorded(file));
     if !files.is_empty() {
@@ -167,6 +168,21 @@ mod tests {
         let files = bag_files(folder.path()).unwrap();
         let names: Vec<_> = files.iter().map(|file| file.file_name().unwrap().to_str().unwrap()).collect();
         assert_eq!(names, ["run_0.mcap", "run_2.mcap", "run_10.mcap"]);
+    }
+
+    #[test]
+    fn a_log_is_known_by_the_end_of_its_name_in_any_letters() {
+        for name in
+            ["a.clf", "a.CLF", "a.Log.GZ", "a.log.Bz2", "a.MCAP", "a.db3", "a.mcap.zstd", "a.Mcap.ZSTD"]
+        {
+            assert!(is_log(Path::new(name)), "{name}");
+        }
+        for name in ["a.txt", "clf", "a.ndjson", "a.clf.zip", "-", "a.zstd"] {
+            assert!(!is_log(Path::new(name)), "{name}");
+        }
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("run_0.MCAP"), "").unwrap();
+        assert_eq!(bag_files(folder.path()).unwrap().len(), 1);
     }
 
     #[test]

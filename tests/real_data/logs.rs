@@ -55,6 +55,28 @@ fn the_streamed_scans_are_those_of_reading_twice() {
     }
 }
 
+/// A reading that the laser never gave, where it says that nothing came back.
+#[test]
+fn one_stray_reading_changes_no_other() {
+    let all = scans("aces");
+    for (at, stray) in [(0, 60.0), (40, 90.0), (3000, 60.0), (7000, 81.83)] {
+        let mut left = Some(());
+        let mut sweeps = 0;
+        let entries = CarmenEntries::new(open("aces")).map(|entry| {
+            let mut entry = entry?;
+            if let Content::Sweep(sweep) = &mut entry.content {
+                sweeps += 1;
+                let silent = sweep.ranges.iter_mut().find(|range| sweeps > at && **range == 50.0);
+                silent.filter(|_| left.take().is_some()).into_iter().for_each(|range| *range = stray);
+            }
+            Ok(entry)
+        });
+        let mut reader = ScanReader::new(entries, LogOptions::default());
+        let (scans, fault) = reader.read_all();
+        assert!(fault.is_none() && scans == all, "{at} {stray}: {}", reader.report());
+    }
+}
+
 #[test]
 fn the_reports_say_what_is_known_of_these_logs() {
     let front = |report: &LogReport| *report.lasers.values().next().unwrap();
@@ -70,6 +92,7 @@ fn the_reports_say_what_is_known_of_these_logs() {
     let (_, csail) = read("mit-csail", LogOptions::default());
     assert_eq!(front(&csail).no_return_source, NoReturnSource::SickCodes);
     for (report, no_returns) in [(aces, 11_336), (fr079, 36_881), (csail, 23_711)] {
+        assert_eq!(report.impossible_steps, 0, "{report}");
         assert_eq!(front(&report).no_returns, no_returns, "{report}");
     }
 }

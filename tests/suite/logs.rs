@@ -54,7 +54,7 @@ fn a_log_is_read_plain_and_compressed_and_reported() {
     let mut gz = GzEncoder::new(Vec::new(), flate2::Compression::fast());
     gz.write_all(&plain).unwrap();
     let forms =
-        [("run.log", plain), ("run.clf.bz2", bz2.finish().unwrap()), ("run.log.gz", gz.finish().unwrap())];
+        [("run.LOG", plain), ("run.clf.BZ2", bz2.finish().unwrap()), ("run.log.gz", gz.finish().unwrap())];
     for (name, content) in forms {
         let (_kept, log, visits) = folder(name, &content);
         let output = map(&log, &visits, &[]);
@@ -106,6 +106,19 @@ fn what_came_before_a_bad_line_is_mapped() {
 }
 
 #[test]
+fn a_log_that_is_taken_for_a_trace_is_told_how_logs_are_known() {
+    let (_kept, log, _) = folder("run.txt", corridor().as_bytes());
+    let said = text(&topostar(&["map", log.to_str().unwrap()]).stderr);
+    assert!(
+        said.contains("run.txt: line 1: ") && said.contains("a log is known by the end of its name: .clf"),
+        "{said}"
+    );
+    let (_kept, trace, _) = folder("run.ndjson", b"nothing\n");
+    let said = text(&topostar(&["map", trace.to_str().unwrap()]).stderr);
+    assert!(said.contains("line 1: ") && !said.contains("a log is known"), "{said}");
+}
+
+#[test]
 fn a_log_that_breaks_off_is_mapped_as_far_as_it_goes() {
     let mut gz = GzEncoder::new(Vec::new(), flate2::Compression::fast());
     gz.write_all(corridor().as_bytes()).unwrap();
@@ -115,6 +128,15 @@ fn a_log_that_breaks_off_is_mapped_as_far_as_it_goes() {
     let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(0), "{said}");
     assert!(said.contains("the file breaks off before its end"), "{said}");
+    let (_kept, log, visits) = folder("run.log.gz", &[&whole[..], &[0; 8]].concat());
+    let output = map(&log, &visits, &[]);
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    assert!(
+        said.contains("121 scans") && said.contains("bytes behind the end of the compressed file"),
+        "{said}"
+    );
+    assert!(!said.contains("breaks off"), "{said}");
 }
 
 #[test]

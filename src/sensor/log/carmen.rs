@@ -12,32 +12,43 @@
 //!
 //! Metres, radians, seconds. What fields a line has is decided by the number of its words.
 
+mod layout;
+
 use crate::geometry::Pose;
 use crate::sensor::log::LogError;
 use crate::sensor::log::entry::{Content, CutOff, Entry, LaserNumber, Sweep, SweepPoses};
 use crate::sensor::log::fields::Fields;
+use crate::sensor::log::geometry;
 use crate::sensor::log::lines::Lines;
 use crate::sensor::log::no_return::FRACTION;
 use crate::sensor::log::reader::{LogOptions, ScanReader};
+use layout::Layout;
 use std::borrow::Cow;
 use std::io::BufRead;
 
 /// The scans of a CARMEN log.
 pub fn carmen_scans<R: BufRead>(input: R, options: LogOptions) -> ScanReader<CarmenEntries<R>> {
-    ScanReader::new(CarmenEntries::new(input), options)
+    let entries = CarmenEntries::with_options(input, &options);
+    ScanReader::new(entries, options)
 }
 
 /// The messages of a CARMEN log in file order. Ends after the first malformed line.
 #[derive(Debug)]
 pub struct CarmenEntries<R> {
     lines: Lines<R>,
+    start_told: bool,
     ended: bool,
 }
 
 impl<R: BufRead> CarmenEntries<R> {
     /// Over the text of a log.
     pub fn new(input: R) -> Self {
-        CarmenEntries { lines: Lines::new(input), ended: false }
+        CarmenEntries::with_options(input, &LogOptions::default())
+    }
+
+    /// The same, where a told angle of the first beam needs none in the messages.
+    pub fn with_options(input: R, options: &LogOptions) -> Self {
+        CarmenEntries { lines: Lines::new(input), start_told: options.start_angle.is_some(), ended: false }
     }
 
     /// The true poses alone, each with its stamp: seconds, and the pose of the robot in the simulated world.
@@ -55,17 +66,40 @@ impl<R: BufRead> CarmenEntries<R> {
         let more = self.lines.advance()?;
         if !more {
             self.ended = true;
-            let cut_off = Entry { kind: "".into(), content: Content::CutOff(CutOff::Stream) };
-            return Ok(self.lines.broken_off.then_some(cut_off));
+            return Ok(self.last_word().map(|content| Entry { kind: "".into(), content }));
         }
         let (line, cut_off) = (self.lines.number, self.lines.cut_off());
         let cut = || Ok(Some(Entry { kind: "".into(), content: Content::CutOff(CutOff::Line(line)) }));
-        match parse(&self.lines.text()) {
+        let parsed = self.lines.text().and_then(|text| parse(&text));
+        match parsed.and_then(|parsed| self.checked(parsed)) {
             Ok((entry, complete)) if complete || !cut_off => Ok(Some(entry)),
             Ok(_) => cut(),
-            Err(_) if cut_off => cut(),
+            // A file without a single line end is no log that breaks off.
+            Err(_) if cut_off && (line > 1 || self.lines.broken_off) => cut(),
             Err(message) => Err(LogError::Line { line, message }),
         }
+    }
+
+    /// What is to be said of the end of the file.
+    fn last_word(&self) -> Option<Content> {
+        let passed_over =
+            "bytes behind the end of the compressed file were passed over; nothing is missing before them";
+        if self.lines.broken_off {
+            Some(Content::CutOff(CutOff::Stream))
+        } else {
+            self.lines.trailing_bytes.then(|| Content::Remark(passed_over.into()))
+        }
+    }
+
+    fn checked(&self, (entry, complete): (Entry, bool)) -> Result<(Entry, bool), String> {
+        if let Content::Sweep(Sweep {
+            start_angle: Some(start), angle_increment: Some(step), ranges, ..
+        }) = &entry.content
+        {
+            let fault = geometry::check((*start, *step), ranges.len(), self.start_told);
+            fault.map_err(|fault| format!("{} {fault}", entry.kind))?;
+        }
+        Ok((entry, complete))
     }
 }
 
@@ -149,45 +183,22 @@ fn poses(fields: &mut Fields) -> Result<SweepPoses, String> {
 
 fn robot_laser(fields: &mut Fields, laser: LaserNumber) -> Result<Sweep, String> {
     let head = sweep_head(fields, laser)?;
-    let ahead = fields.numbers_ahead();
-    let remissions = fields.rest().first().and_then(|word| word.parse::<usize>().ok());
-    // Behind the numbers of the message stands its stamp and then the name of a host, which is no number.
-    let stamp = usize::from(fields.rest().len() > ahead);
-    let body = ahead.saturating_sub(stamp);
-    let (before, behind) = match remissions {
-        Some(m) if Some(body) == m.checked_add(12) => (m + 1, 5),
-        Some(m) if Some(body) == m.checked_add(11) => (m + 1, 4),
-        _ if body == 10 => (0, 4),
-        _ if body == 11 => (0, 5),
-        // The host has a number for a name.
-        Some(m) if Some(body) == m.checked_add(15) => (m + 1, 5),
-        _ if body == 13 => (0, 4),
-        _ => return Err(unfit(laser, body, "two poses and four or five numbers more behind its readings")),
-    };
-    fields.skip(before);
+    let expected = "two poses and four or five numbers more behind its readings";
+    let layout = Layout::find(layout::ROBOT, fields, laser, expected)?;
     let poses = poses(fields)?;
-    fields.skip(behind);
+    fields.skip(layout.behind_poses());
     Ok(Sweep { stamp: fields.stamp(), poses: Some(poses), ..head })
 }
 
 fn raw_laser(fields: &mut Fields, laser: LaserNumber) -> Result<Sweep, String> {
     let head = sweep_head(fields, laser)?;
-    let ahead = fields.numbers_ahead();
-    let remissions = fields.rest().first().and_then(|word| word.parse::<usize>().ok());
-    let stamp = usize::from(fields.rest().len() > ahead);
-    let body = ahead.saturating_sub(stamp);
-    match remissions {
-        Some(m) if [Some(1), Some(4)].contains(&body.checked_sub(m)) => fields.skip(m + 1),
-        _ if body == 0 => {}
-        _ => {
-            return Err(unfit(laser, body, "a number of remissions and as many of them behind its readings"));
-        }
-    }
+    Layout::find(
+        layout::RAW,
+        fields,
+        laser,
+        "a number of remissions and as many of them behind its readings",
+    )?;
     Ok(Sweep { stamp: fields.stamp(), ..head })
-}
-
-fn unfit(laser: LaserNumber, found: usize, expected: &str) -> String {
-    format!("a message of {laser} has {found} numbers after its readings, expected {expected}")
 }
 
 /// What `ROBOTLASER` and `RAWLASER` have in common, up to the readings.

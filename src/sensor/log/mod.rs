@@ -18,13 +18,16 @@ mod no_return;
 mod odometry;
 mod reader;
 mod report;
+mod steps;
 
 pub use bag::{BagEntries, BagSurvey, Topic, bag_scans};
 pub use carmen::{CarmenEntries, carmen_scans};
 pub use entry::{Content, CutOff, Entry, LaserNumber, Sweep, SweepPoses};
+pub use lines::TrailingBytes;
 pub use no_return::NoReturnSource;
 pub use reader::{LogOptions, PoseChoice, ScanReader};
 pub use report::{Geometry, GeometrySource, LaserReport, LogReport, MountSource};
+pub use steps::Step;
 
 use std::io;
 use thiserror::Error;

@@ -6,6 +6,7 @@ use crate::sensor::log::entry::{Content, Entry, LaserNumber, Sweep};
 use crate::sensor::log::laser::Laser;
 use crate::sensor::log::odometry::Odometry;
 use crate::sensor::log::report::LogReport;
+use crate::sensor::log::steps::Step;
 use crate::sensor::log::{LARGEST, LogError};
 use std::collections::{BTreeMap, VecDeque};
 
@@ -56,6 +57,8 @@ pub struct ScanReader<E> {
     report: LogReport,
     ended: bool,
     fault: Option<LogError>,
+    /// Number, stamp and pose of the last scan given.
+    last: Option<(u64, f64, Pose)>,
     given: bool,
 }
 
@@ -71,6 +74,7 @@ impl<E: Iterator<Item = Result<Entry, LogError>>> ScanReader<E> {
             report: LogReport::default(),
             ended: false,
             fault: None,
+            last: None,
             given: false,
         }
     }
@@ -153,8 +157,20 @@ impl<E: Iterator<Item = Result<Entry, LogError>>> ScanReader<E> {
         let scan = self.laser(sweep.laser).scan(sweep, between, &options)?;
         self.report.first_stamp.get_or_insert(scan.stamp);
         self.report.last_stamp = Some(scan.stamp);
+        self.watch_step(&scan);
         self.given = true;
         Some(scan)
+    }
+
+    fn watch_step(&mut self, scan: &LaserScan) {
+        let number = self.last.map_or(0, |(number, ..)| number + 1);
+        let last = self.last.replace((number, scan.stamp, scan.odom_from_robot));
+        let Some((_, stamp, pose)) = last else { return };
+        let metres = (scan.odom_from_robot.position() - pose.position()).norm();
+        let step = Step { scan: number, metres, seconds: scan.stamp - stamp };
+        if step.is_impossible(self.laser(scan.laser).report.unstamped == 0) {
+            self.report.impossible_step(step);
+        }
     }
 
     /// What is said after the last scan, once.

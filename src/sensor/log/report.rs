@@ -3,6 +3,7 @@
 use crate::geometry::Pose;
 use crate::sensor::log::entry::{CutOff, LaserNumber};
 use crate::sensor::log::no_return::NoReturnSource;
+use crate::sensor::log::steps::Step;
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -27,6 +28,11 @@ pub struct LogReport {
     pub cut_off_line: Option<u64>,
     /// Whether the compressed stream or the bag broke off before its end.
     pub broken_off: bool,
+    /// Steps of the odometry between scans that no robot makes: more than 2 m in less than a second, or at more than
+    /// 5 m/s by the stamps.
+    pub impossible_steps: u64,
+    /// The first of them.
+    pub first_impossible_step: Option<Step>,
     /// What else is to be said, a sentence each.
     pub remarks: Vec<String>,
 }
@@ -133,6 +139,11 @@ impl LogReport {
         }
     }
 
+    pub(super) fn impossible_step(&mut self, step: Step) {
+        self.impossible_steps += 1;
+        self.first_impossible_step.get_or_insert(step);
+    }
+
     /// All scans made.
     pub fn scans(&self) -> u64 {
         self.lasers.values().map(|laser| laser.scans).sum()
@@ -146,6 +157,10 @@ impl LogReport {
                 "{lost} sweeps have no pose of their own, and no odometry encloses their stamps, expected odometry \
                  with stamps of the same clock"
             );
+        }
+        let empty: u64 = self.lasers.values().map(|laser| laser.empty).sum();
+        if empty > 0 {
+            return format!("{empty} sweeps have fewer than two beams, expected some with more");
         }
         let kinds: Vec<String> = self.read.iter().chain(&self.passed_over).map(counted).collect();
         let found = if kinds.is_empty() { "nothing at all".into() } else { kinds.join(", ") };
@@ -183,6 +198,14 @@ impl fmt::Display for LogReport {
         }
         for (number, laser) in &self.lasers {
             laser.describe(f, *number)?;
+        }
+        if let Some(Step { scan, metres, seconds }) = self.first_impossible_step {
+            write!(
+                f,
+                "\n  {} steps between scans are more than a robot makes; the first, to scan {scan} (from \
+                 0), is {metres:.2} m in {seconds:.3} s",
+                self.impossible_steps
+            )?;
         }
         if let Some(line) = self.cut_off_line {
             write!(f, "\n  line {line}, the last one, is cut off and left out")?;

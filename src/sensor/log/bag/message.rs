@@ -54,11 +54,6 @@ impl ScanMessage {
         let mut field = || cdr.f32().map(f64::from);
         let [start_angle, _angle_max, angle_increment, _time_increment, _scan_time, range_min, range_max] =
             [field()?, field()?, field()?, field()?, field()?, field()?, field()?];
-        if !start_angle.is_finite() || !angle_increment.is_finite() || angle_increment == 0.0 {
-            return Err(format!(
-                "has angle_min {start_angle} and angle_increment {angle_increment}, expected radians, the second not 0"
-            ));
-        }
         let beams = cdr.length(4)?;
         if beams > MAX_BEAMS {
             return Err(format!("has {beams} ranges, expected at most {MAX_BEAMS}"));

@@ -3,9 +3,9 @@
 use crate::sensor::log::LogError;
 use mcap::io::MessageReader;
 use mcap::sans_io::LinearReaderOptions;
-use mcap::{McapError, Message};
+use mcap::{MAGIC, McapError, Message};
 use std::error::Error;
-use std::io::{self, Read};
+use std::io::{self, Chain, Read};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// The largest record that is read, bytes: an image may be in it, not a whole bag.
@@ -15,13 +15,43 @@ const MAX_RECORD: usize = 256 * 1024 * 1024;
 /// follows.
 pub(super) struct Messages<I, R> {
     files: I,
-    file: Option<MessageReader<R>>,
+    file: Option<File<R>>,
+    /// Whether a file was opened.
+    begun: bool,
     pub(super) broken_off: bool,
 }
 
+/// A file whose first bytes have been looked at.
+type File<R> = MessageReader<Chain<&'static [u8], R>>;
+
 impl<I: Iterator<Item = io::Result<R>>, R: Read> Messages<I, R> {
     pub(super) fn new(files: I) -> Self {
-        Messages { files, file: None, broken_off: false }
+        Messages { files, file: None, begun: false, broken_off: false }
+    }
+
+    /// Goes to the next file, `None` if there is none. A file shorter than the magic bytes that every MCAP file begins
+    /// with is none, except that a recorder may have just begun the last file of a bag when it crashed.
+    fn open_next(&mut self) -> Option<Result<(), LogError>> {
+        self.file = None;
+        let mut file = match self.files.next()? {
+            Ok(file) => file,
+            Err(error) => return Some(Err(LogError::Bag(format!("cannot be opened: {error}")))),
+        };
+        let after_another = std::mem::replace(&mut self.begun, true);
+        let mut head = Vec::new();
+        Some(match file.by_ref().take(MAGIC.len() as u64).read_to_end(&mut head) {
+            Err(error) => Err(LogError::Bag(described(&McapError::Io(error)))),
+            Ok(_) if head == MAGIC => {
+                let options = LinearReaderOptions::default().with_record_length_limit(MAX_RECORD);
+                self.file = Some(MessageReader::new_with_options(MAGIC.chain(file), options));
+                Ok(())
+            }
+            Ok(_) if after_another && MAGIC.starts_with(&head) => {
+                self.broken_off = true;
+                Ok(())
+            }
+            Ok(_) => Err(LogError::Bag(described(&McapError::BadMagic))),
+        })
     }
 }
 
@@ -42,10 +72,8 @@ impl<I: Iterator<Item = io::Result<R>>, R: Read> Iterator for Messages<I, R> {
                 }
                 None => {}
             }
-            let options = LinearReaderOptions::default().with_record_length_limit(MAX_RECORD);
-            match self.files.next()? {
-                Ok(file) => self.file = Some(MessageReader::new_with_options(file, options)),
-                Err(error) => return Some(Err(LogError::Bag(format!("cannot be opened: {error}")))),
+            if let Err(error) = self.open_next()? {
+                return Some(Err(error));
             }
         }
     }

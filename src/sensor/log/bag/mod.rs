@@ -9,13 +9,14 @@ mod survey;
 pub use survey::{BagSurvey, Topic};
 
 use crate::sensor::log::entry::{Content, CutOff, Entry, LaserNumber, Sweep};
+use crate::sensor::log::geometry;
 use crate::sensor::log::reader::{LogOptions, ScanReader};
 use crate::sensor::log::{LARGEST, LogError};
 use frames::PlanarMount;
 use mcap::Message;
 use message::{OdometryMessage, ScanMessage};
 use messages::Messages;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::io::{self, Read};
 
 /// The scans of a bag whose files have been surveyed, in the order of recording.
@@ -31,7 +32,8 @@ pub fn bag_scans<I: Iterator<Item = io::Result<R>>, R: Read>(
 ///
 /// Of a scan's ranges those count that are at least `range_min` and less than `range_max` (REP-117), as many sensors
 /// give the latter where nothing came back. Beams are turned to go counter-clockwise seen from above, for lasers that
-/// turn the other way or hang upside down. A stamp that was not filled in is that of the recorder.
+/// turn the other way or hang upside down. A stamp that was not filled in is that of the recorder, a bound that was not
+/// filled in is none.
 pub struct BagEntries<I, R> {
     messages: Messages<I, R>,
     survey: BagSurvey,
@@ -39,8 +41,10 @@ pub struct BagEntries<I, R> {
     odometry: String,
     robot_frame: String,
     mount_told: bool,
+    start_told: bool,
     mounts: BTreeMap<String, PlanarMount>,
-    remark: Option<String>,
+    remarks: VecDeque<String>,
+    bounds_told: bool,
     read: u64,
     ended: bool,
 }
@@ -59,8 +63,10 @@ impl<I: Iterator<Item = io::Result<R>>, R: Read> BagEntries<I, R> {
             odometry,
             robot_frame,
             mount_told: options.mount.is_some(),
+            start_told: options.start_angle.is_some(),
             mounts: BTreeMap::new(),
-            remark: Some(remark),
+            remarks: [remark].into(),
+            bounds_told: false,
             read: 0,
             ended: false,
         })
@@ -94,8 +100,10 @@ impl<I: Iterator<Item = io::Result<R>>, R: Read> BagEntries<I, R> {
 
     fn sweep(&mut self, data: &[u8], recorded: f64) -> Result<Sweep, String> {
         let scan = ScanMessage::decode(data)?;
+        let angles = (scan.start_angle, scan.angle_increment);
+        geometry::check(angles, scan.ranges.len(), self.start_told)?;
         let mount = self.mount(&scan.header.frame)?;
-        let (nearest, farthest) = (scan.range_min, scan.range_max);
+        let (nearest, farthest) = self.bounds(&scan);
         let valid = |range: f64| if range >= nearest && range < farthest { range } else { f64::NAN };
         let mut ranges: Vec<f64> = scan.ranges.into_iter().map(valid).collect();
         let upside_down = mount.is_some_and(|mount| mount.upside_down);
@@ -116,6 +124,20 @@ impl<I: Iterator<Item = io::Result<R>>, R: Read> BagEntries<I, R> {
             poses: None,
             robot_from_laser: mount.map(|mount| mount.robot_from_laser),
         })
+    }
+
+    /// The bounds of valid ranges: those of a message, as far as they are some.
+    fn bounds(&mut self, &ScanMessage { range_min, range_max, .. }: &ScanMessage) -> (f64, f64) {
+        let nearest = if range_min < f64::INFINITY { range_min } else { 0.0 };
+        let farthest = if range_max > nearest { range_max } else { f64::INFINITY };
+        if (nearest, farthest) != (range_min, range_max) && !std::mem::replace(&mut self.bounds_told, true) {
+            self.remarks.push_back(format!(
+                "from message {} on, {} has range_min {range_min} and range_max {range_max}, which bound no range; what \
+                 was not filled in is not gone by (--max-range)",
+                self.read, self.scans
+            ));
+        }
+        (nearest, farthest)
     }
 
     /// Where the laser of a frame sits; `None` if only the reader's options say it.
@@ -141,7 +163,7 @@ impl<I: Iterator<Item = io::Result<R>>, R: Read> Iterator for BagEntries<I, R> {
         if self.ended {
             return None;
         }
-        if let Some(remark) = self.remark.take() {
+        if let Some(remark) = self.remarks.pop_front() {
             return Some(Ok(Entry { kind: "".into(), content: Content::Remark(remark) }));
         }
         let entry = match self.messages.next() {

@@ -33,6 +33,8 @@ pub struct BagSurvey {
     pub(super) frames: StaticFrames,
     /// The robot's frame by each topic of odometry.
     robot_frames: BTreeMap<String, String>,
+    /// What is to be said of the end, if the bag is not whole.
+    end: &'static str,
 }
 
 impl BagSurvey {
@@ -40,12 +42,19 @@ impl BagSurvey {
     /// surveyed; reading it will come to the damage again.
     pub fn read<R: Read>(files: impl IntoIterator<Item = io::Result<R>>) -> Result<BagSurvey, LogError> {
         let mut survey = BagSurvey::default();
-        for message in Messages::new(files.into_iter()) {
+        let mut messages = Messages::new(files.into_iter());
+        for message in messages.by_ref() {
             match message {
                 Ok(message) => survey.take(&message)?,
                 Err(damage) if survey.topics.is_empty() => return Err(damage),
-                Err(_) => break,
+                Err(_) => {
+                    survey.end = ", and is damaged there";
+                    return Ok(survey);
+                }
             }
+        }
+        if messages.broken_off {
+            survey.end = ", and breaks off there";
         }
         Ok(survey)
     }
@@ -136,7 +145,8 @@ impl BagSurvey {
             .take(30)
             .map(|(name, topic)| format!("{name} ({})", topic.message_type))
             .collect();
-        if listed.is_empty() { "no message at all".into() } else { listed.join(", ") }
+        let listed = if listed.is_empty() { "no message at all".into() } else { listed.join(", ") };
+        format!("{listed}{}", self.end)
     }
 }
 

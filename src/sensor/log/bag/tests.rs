@@ -70,7 +70,17 @@ fn isometry(x: f64, y: f64, roll: f64, yaw: f64) -> Isometry3<f64> {
 
 /// Start angle, increment and ranges; nearest 0.1 m, farthest 10 m.
 fn scan(big: bool, stamp: f64, start: f64, step: f64, ranges: &[f64]) -> Vec<u8> {
-    let head = [start, start + step * ranges.len() as f64, step, 0.0, 0.1, 0.1, 10.0];
+    bounded_scan(big, stamp, (start, step), (0.1, 10.0), ranges)
+}
+
+fn bounded_scan(
+    big: bool,
+    stamp: f64,
+    (start, step): (f64, f64),
+    (nearest, farthest): (f64, f64),
+    ranges: &[f64],
+) -> Vec<u8> {
+    let head = [start, start + step * ranges.len() as f64, step, 0.0, 0.1, nearest, farthest];
     let out = Out::new(big).header(stamp, "laser");
     let out = head.iter().fold(out, |out, value| out.f32(*value)).u32(ranges.len() as u32);
     ranges.iter().fold(out, |out, range| out.f32(*range)).u32(0).bytes
@@ -212,10 +222,85 @@ fn what_cannot_be_read_says_what_was_expected() {
         error.starts_with("message 2 of the bag, on /scan, is encoded in XCDR2, expected plain CDR"),
         "{error}"
     );
-    let error = read(b"no bag".to_vec()).unwrap_err();
-    assert!(error.starts_with("the bag has no topic"), "{error}");
-    let error = read(b"not a bag at all".to_vec()).unwrap_err();
-    assert!(error.starts_with("is no MCAP file"), "{error}");
+    for file in [&b"no bag"[..], b"", &mcap::MAGIC[..7], b"not a bag at all"] {
+        let error = read(file.to_vec()).unwrap_err();
+        assert!(error.starts_with("is no MCAP file"), "{error}");
+    }
+}
+
+#[test]
+fn a_bag_without_the_topics_says_whether_it_is_whole() {
+    let whole = bag(None, "cdr", &drive(false)[..1]);
+    let error = |files: &[&[u8]]| {
+        let files: Vec<Vec<u8>> = files.iter().map(|file| file.to_vec()).collect();
+        read_files(&files, LogOptions::default()).unwrap_err()
+    };
+    let missing = "the bag has no topic of type sensor_msgs/msg/LaserScan, it has";
+    assert_eq!(error(&[&whole]), format!("{missing} /odom (nav_msgs/msg/Odometry)"));
+    let said = format!("{missing} /odom (nav_msgs/msg/Odometry), and breaks off there");
+    assert_eq!(error(&[&whole[..whole.len() - 200]]), said);
+    // The recorder had just begun its second file.
+    for length in [0, 7, 8] {
+        assert_eq!(error(&[&whole, &mcap::MAGIC[..length]]), said, "{length}");
+    }
+    let said = format!("{missing} /odom (nav_msgs/msg/Odometry), and is damaged there");
+    assert_eq!(error(&[&whole, b"not a bag at all"]), said);
+    assert_eq!(error(&[&whole, b"no bag"]), said);
+    assert_eq!(error(&[mcap::MAGIC]), format!("{missing} no message at all, and breaks off there"));
+}
+
+#[test]
+fn bounds_that_were_not_filled_in_discard_nothing() {
+    let nan = f64::NAN;
+    let ranges = [0.25, 1.0, 5.0, 12.0, f64::INFINITY];
+    let with_bounds = |bounds: (f64, f64)| {
+        let mut sent = drive(false);
+        for (k, (_, _, data)) in sent.iter_mut().filter(|(topic, ..)| *topic == "/scan").enumerate() {
+            // The farthest differ, so that none stands out.
+            let ranges = ranges.map(|range| if range == 12.0 { range + k as f64 / 8.0 } else { range });
+            *data = bounded_scan(false, 100.1 + k as f64 / 4.0, (-1.0, 0.5), bounds, &ranges);
+        }
+        read(bag(None, "cdr", &sent)).unwrap()
+    };
+    for (bounds, from, to) in [
+        ((0.1, 10.0), 0, 3),
+        ((0.1, 0.0), 0, 4),
+        ((0.0, 0.0), 0, 4),
+        ((0.5, nan), 1, 4),
+        ((0.5, 0.4), 1, 4),
+        ((nan, 10.0), 0, 3),
+        ((nan, nan), 0, 4),
+        ((f64::INFINITY, 10.0), 0, 3),
+        ((0.5, f64::INFINITY), 1, 4),
+    ] {
+        let (scans, report) = with_bounds(bounds);
+        let valid = |k: usize| (from..to).contains(&k).then(|| ranges[k]);
+        assert_eq!(scans[0].ranges, [0, 1, 2, 3, 4].map(valid), "{bounds:?}");
+        let told = report.remarks.iter().any(|remark| {
+            remark.starts_with("from message 2 on, /scan has range_min") && remark.contains("--max-range")
+        });
+        let filled = bounds.0 < bounds.1 && bounds.0.is_finite();
+        assert_eq!((told, report.remarks.len()), (!filled, 2 - usize::from(filled)), "{bounds:?}");
+    }
+}
+
+#[test]
+fn angles_of_no_laser_are_refused_unless_the_user_knows_them() {
+    let refused = |start: f64, step: f64, options: LogOptions| {
+        let mut sent = drive(false);
+        sent[1].2 = scan(false, 100.1, start, step, &[1.0; 5]);
+        read_files(&[bag(None, "cdr", &sent)], options).err().unwrap_or_default()
+    };
+    for step in [1e30, 1e38, 1e-30, -1e30, 0.0, f64::NAN] {
+        let error = refused(-1.0, step, LogOptions::default());
+        assert!(error.starts_with("message 2 of the bag, on /scan, has 5 beams in steps of"), "{error}");
+    }
+    for start in [1e38, f64::NAN, f64::INFINITY] {
+        let error = refused(start, 0.5, LogOptions::default());
+        assert!(error.contains("has a first beam at") && error.contains("--start-angle"), "{error}");
+        let told = LogOptions { start_angle: Some(-1.0), ..LogOptions::default() };
+        assert_eq!(refused(start, 0.5, told), "");
+    }
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::sensor::LaserScan;
-use crate::sensor::log::{LogReport, MountSource, PoseChoice};
+use crate::sensor::log::{LogReport, MountSource, PoseChoice, Step, TrailingBytes};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::io::{self, Read};
@@ -78,6 +78,8 @@ fn robot_lasers_are_read_with_and_without_remissions() {
         format!("2 7 8.5 {poses} 0.1 0.2 0.3 0.4 9.5 host 0.21"),
         format!("2 7 8.5 {poses} 0.1 0.2 0.3 0.4 1e6 9.5 127 0.21"),
         format!("{poses} 0.1 0.2 0.3 0.4 9.5 127 0.21"),
+        format!("{poses} 0.1 0.2 0.3 0.4 1e6 9.5 127 0.21"),
+        format!("2 7 8.5 {poses} 0.1 0.2 0.3 0.4 9.5 127 0.21"),
     ] {
         let (scans, _, fault) = read(format!("{head} {tail}\n"));
         assert_eq!(fault, None, "{tail}");
@@ -87,8 +89,19 @@ fn robot_lasers_are_read_with_and_without_remissions() {
         assert_eq!((scan.start_angle, scan.angle_increment), (-1.55, 1.55));
         assert_eq!(scan.ranges, [Some(1.0), None, None]);
     }
+    // Remissions, or a coordinate without its decimals.
+    let (_, _, fault) = read(format!("{head} 1 2.0 0.0 1.0 2.0 0.0 0.1 0.2 0.3 0.4 1e6 9.5 host 0.21\n"));
+    assert!(fault.unwrap().contains("has 11 numbers after its readings, expected two poses"));
     let (_, _, fault) = read(format!("{FLASER}{head} {poses} 1 2\n"));
     assert!(fault.unwrap().starts_with("line 2: a message of the front laser has 8 numbers after"));
+}
+
+#[test]
+fn a_told_start_angle_needs_none_in_the_messages() {
+    let line = "ROBOTLASER1 0 -90 2 1 80 0.01 0 2 1 2 0 1 2 0 1 2 0 1 2 3 4 5 9.5 host 0.21\n";
+    let options = LogOptions { start_angle: Some(-1.0), ..LogOptions::default() };
+    let (scans, _, fault) = read_with(line, options);
+    assert_eq!((scans[0].start_angle, scans[0].angle_increment, fault), (-1.0, 1.0, None));
 }
 
 #[test]
@@ -169,6 +182,23 @@ fn stamps_may_be_missing_repeated_or_early() {
 }
 
 #[test]
+fn leaps_of_the_odometry_are_counted() {
+    let line = |x: f64, t: f64| format!("FLASER 2 1 2 {x} 0 0 {x} 0 0 {t} host 0\n");
+    let drive = |steps: &[(f64, f64)]| read(steps.iter().map(|(x, t)| line(*x, *t)).collect::<String>()).1;
+    let report = drive(&[(0.0, 0.0), (0.4, 0.2), (3.0, 0.4), (3.0, 0.6), (-1.0, 0.5), (40.0, 10.5)]);
+    let Step { scan, metres, seconds } = report.first_impossible_step.unwrap();
+    assert_eq!((report.impossible_steps, scan), (2, 2));
+    assert!((metres - 2.6).abs() < 1e-9 && (seconds - 0.2).abs() < 1e-9);
+    let said = "2 steps between scans are more than a robot makes; the first, to scan 2 (from 0), is 2.60 m in 0.200 s";
+    assert!(report.to_string().contains(said), "{report}");
+    let report = drive(&[(0.0, 0.0), (0.4, 0.2), (4.0, 2.0)]);
+    assert!(report.impossible_steps == 0 && !report.to_string().contains("a robot makes"), "{report}");
+    // Without stamps nobody knows how long it took.
+    let unstamped = |x: f64| format!("FLASER 2 1 2 {x} 0 0 {x} 0 0\n");
+    assert_eq!(read([0.0, 3.0, 6.0].map(unstamped).concat()).1.impossible_steps, 0);
+}
+
+#[test]
 fn a_cut_off_line_is_left_out_wherever_it_is_cut() {
     for cut in 1..FLASER.len() - 1 {
         let (scans, report, fault) = read(format!("{FLASER}{}", &FLASER[..cut]));
@@ -185,6 +215,41 @@ fn a_cut_off_line_is_left_out_wherever_it_is_cut() {
 fn a_byte_order_mark_does_not_hide_the_first_scan() {
     let (scans, report, _) = read(format!("\u{feff}{FLASER}{}", FLASER.replace('\n', "\r\n")));
     assert_eq!((scans.len(), report.passed_over.len()), (2, 0));
+}
+
+#[test]
+fn text_that_is_no_utf_8_is_refused_and_not_taken_apart() {
+    let wide = |bytes: fn(u16) -> [u8; 2], mark: &str| -> Vec<u8> {
+        format!("{mark}{FLASER}{FLASER}").encode_utf16().flat_map(bytes).collect()
+    };
+    for (text, found) in [
+        (wide(u16::to_le_bytes, "\u{feff}"), "begins with the mark of UTF-16"),
+        (wide(u16::to_be_bytes, "\u{feff}"), "begins with the mark of UTF-16"),
+        (wide(u16::to_le_bytes, ""), "has a NUL byte"),
+        (wide(u16::to_be_bytes, ""), "has a NUL byte"),
+        (vec![0; 100], "has a NUL byte"),
+    ] {
+        let (scans, report, fault) = read(text);
+        assert_eq!((scans.len(), report.passed_over.len()), (0, 0));
+        assert_eq!(
+            fault.unwrap(),
+            format!(
+                "line 1: {found}, expected UTF-8 text; `iconv -f UTF-16 -t UTF-8` makes that of UTF-16 text"
+            )
+        );
+    }
+    // What a crash leaves at the end of a file.
+    let (scans, report, fault) = read([FLASER.as_bytes(), &[0; 100]].concat());
+    assert_eq!((scans.len(), report.cut_off_line, fault), (1, Some(2), None));
+}
+
+#[test]
+fn sweeps_without_beams_are_told_from_no_sweeps() {
+    let (_, _, fault) = read("FLASER 1 1 0 0 0 0 0 0 1 h 0\nFLASER 0 0 0 0 0 0 0 1 h 0\n");
+    assert_eq!(
+        fault.unwrap(),
+        "no scan in the log: 2 sweeps have fewer than two beams, expected some with more"
+    );
 }
 
 #[test]
@@ -211,6 +276,19 @@ fn a_broken_line_is_refused_with_its_number_and_what_came_before_is_kept() {
         ("ODOM 1 2\n", "ODOM ends before the robot's pose"),
         ("ODOM 1e300 2 0 0 0 0 0 h 0\n", "ODOM has `1e300` as the robot's pose"),
         ("RAWLASER1 0 0 3 1 20 0 0 2 1 2 5 6 7 h 0\n", "a message of the front laser has 2 numbers after"),
+        (
+            "RAWLASER2 0 1e10 3 1 20 0 0 2 1 2 0 7 h 0\n",
+            "RAWLASER2 has a first beam at 10000000000 radians, expected an angle within a turn; --start-angle",
+        ),
+        (
+            "ROBOTLASER1 0 -90 180 1 80 0.01 0 2 1 2 0 1 2 0 1 2 0 1 2 3 4 5 9.5 host 0.21\n",
+            "ROBOTLASER1 has a first beam at -90 radians, expected an angle within a turn; --start-angle",
+        ),
+        (
+            "RAWLASER1 0 -1.5 180 90 20 0 0 2 1 2 0 7 h 0\n",
+            "RAWLASER1 has 2 beams in steps of 90 radians, expected them to cover at most a turn",
+        ),
+        ("RAWLASER1 0 -1.5 1e-9 0 20 0 0 2 1 2 0 7 h 0\n", "RAWLASER1 has 2 beams in steps of"),
         ("TRUEPOS 1\n", "TRUEPOS ends before the true pose"),
         ("PARAM\n", "PARAM ends before a name"),
     ] {
@@ -247,6 +325,25 @@ fn a_stream_that_breaks_off_keeps_what_came_before() {
         let (scans, fault) = reader.read_all();
         assert!(fault.is_none() && scans.len() == 1, "{fault:?}");
         assert_eq!((reader.report().broken_off, reader.report().cut_off_line), (true, line));
+    }
+}
+
+#[test]
+fn bytes_behind_a_whole_stream_are_no_early_end() {
+    struct Trail;
+    impl Read for Trail {
+        fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
+            Err(io::Error::other(TrailingBytes))
+        }
+    }
+    for (text, line) in [(FLASER.to_owned(), None), (format!("{FLASER}FLASER 3 1."), Some(2))] {
+        let input = io::BufReader::new(text.as_bytes().chain(Trail));
+        let mut reader = carmen_scans(input, LogOptions::default());
+        let (scans, fault) = reader.read_all();
+        let report = reader.report();
+        assert!(fault.is_none() && scans.len() == 1, "{fault:?}");
+        assert_eq!((report.broken_off, report.cut_off_line, report.remarks.len()), (false, line, 1));
+        assert!(report.remarks[0].starts_with("bytes behind the end of the compressed file"));
     }
 }
 
