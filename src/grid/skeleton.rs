@@ -166,8 +166,7 @@ impl<'a> Core<'a> {
         let mut inside = Plane::empty(cut.width, cut.height);
         for first in (0..squared.len()).step_by(cut.width) {
             let stretch = window.stretch(first);
-            let row = &squared[stretch.clone()];
-            inside.insert_where(stretch.start, row.len(), |k| row[k] >= least);
+            inside.insert_where(stretch.start, &squared[stretch.clone()], |&squared| squared >= least);
         }
         Core { window, squared, inside }
     }
@@ -210,22 +209,25 @@ impl<'a> Core<'a> {
         }
         let mut wide = Plane::empty(self.window.cut.width, self.window.cut.height);
         self.inside.each_run(|start, end| {
-            wide.insert_where(start, end - start, |k| self.squared[start + k] > most);
+            wide.insert_where(start, &self.squared[start..end], |&squared| squared > most);
         });
         let expanses = Patches::new(&wide, true);
         let mut open = vec![false; expanses.sizes().len()];
         for run in expanses.runs() {
-            open[run.patch] |= (run.start..run.end).any(|i| self.window.on_rim(self.window.cell(i)));
+            let inner = self.window.inner_stretch(run.start / wide.width() * wide.width());
+            open[run.patch] |= run.start < inner.start || inner.end < run.end;
         }
         expanses.cells_of(&open).for_each(|i| self.inside.remove(i));
     }
 
     /// For every stretch of rim that the members reach, its cell of greatest clearance; ascending.
     fn exits(&self, members: &[Range<usize>]) -> Vec<usize> {
-        let window = self.window;
-        let mut rim = Plane::empty(window.cut.width, window.cut.height);
+        let cut = &self.window.cut;
+        let mut rim = Plane::empty(cut.width, cut.height);
         for run in members {
-            rim.insert_where(run.start, run.len(), |k| window.on_rim(window.cell(run.start + k)));
+            let inner = self.window.inner_stretch(run.start / cut.width * cut.width);
+            rim.insert_run(run.start..run.end.min(inner.start.max(run.start)));
+            rim.insert_run(run.start.max(inner.end.min(run.end))..run.end);
         }
         let stretches = Patches::new(&rim, true);
         let mut cells = vec![Vec::new(); stretches.sizes().len()];

@@ -8,7 +8,7 @@
 use std::ops::Range;
 
 /// The cells that remain of some in a grid of width x height cells, ascending. They come as stretches of rows,
-/// ascending; `rank` gives the order of removal of each cell of the grid.
+/// ascending; `rank` gives the order of removal of each cell of the grid. As long as sorting, else linear in the cells.
 pub(super) fn thin(
     width: usize,
     height: usize,
@@ -16,29 +16,21 @@ pub(super) fn thin(
     rank: &[u32],
     anchors: &[usize],
 ) -> Vec<usize> {
-    // A frame of absent cells makes every neighbourhood complete.
-    let stride = width + 2;
-    let padded = |i: usize| (i / width + 1) * stride + i % width + 1;
-    let mut ranks = vec![0u32; stride * (height + 2)];
-    let mut present = vec![false; stride * (height + 2)];
-    let mut order: Vec<(u32, u32)> = Vec::with_capacity(stretches.iter().map(Range::len).sum());
+    let mut figure = Figure::new(width, height, stretches, rank);
+    anchors.iter().for_each(|&i| figure.fix(i));
+    figure.peel(&order_of_removal(stretches, rank));
+    let left = stretches.iter().cloned().flatten().filter(|&i| figure.ranks[figure.padded(i)] != GONE);
+    left.collect()
+}
+
+/// Cells and their ranks, sorted.
+fn order_of_removal(stretches: &[Range<usize>], rank: &[u32]) -> Vec<(u32, u32)> {
+    let mut order = Vec::with_capacity(stretches.iter().map(Range::len).sum());
     for stretch in stretches {
-        let first = padded(stretch.start);
-        let there = first..first + stretch.len();
-        ranks[there.clone()].copy_from_slice(&rank[stretch.clone()]);
-        present[there].fill(true);
-        order.extend(rank[stretch.clone()].iter().zip(first as u32..).map(|(&rank, p)| (rank, p)));
+        order.extend(rank[stretch.clone()].iter().zip(stretch.start as u32..).map(|(&rank, i)| (rank, i)));
     }
-    let mut fixed = vec![false; present.len()];
-    anchors.iter().for_each(|&i| fixed[padded(i)] = true);
     sort(&mut order);
-    peel(&order, &ranks, &fixed, &mut present, stride);
-    let left = |stretch: &Range<usize>| {
-        let first = padded(stretch.start);
-        let cells = stretch.clone().zip(&present[first..first + stretch.len()]);
-        cells.filter(|(_, present)| **present).map(|(i, _)| i).collect::<Vec<_>>()
-    };
-    stretches.iter().flat_map(left).collect()
+    order
 }
 
 /// Sorts by rank and then by position; by counting where ranks are dense. Members come by ascending position.
@@ -60,50 +52,90 @@ pub(super) fn sort(order: &mut Vec<(u32, u32)>) {
     *order = sorted;
 }
 
-fn peel(order: &[(u32, u32)], ranks: &[u32], fixed: &[bool], present: &mut [bool], stride: usize) {
-    let around = ring(stride);
-    let mut again: Vec<usize> = Vec::new();
-    for level in order.chunk_by(|a, b| a.0 == b.0) {
-        let rank = level[0].0;
-        again.clear();
-        again.extend(level.iter().map(|&(_, p)| p as usize));
-        // A removal can make lower neighbours simple that were not when their turn came.
-        let mut next = 0;
-        while next < again.len() {
-            let p = again[next];
-            next += 1;
-            if !present[p] || fixed[p] || !SIMPLE[neighborhood(present, p, stride)] {
-                continue;
+/// The rank of what is not, or no longer, in the figure.
+const GONE: u32 = u32::MAX;
+/// That of an anchor: no turn comes so late.
+const FIXED: u32 = u32::MAX - 1;
+
+/// What is left of the cells, within a frame of absent cells that makes every neighbourhood complete.
+struct Figure {
+    width: usize,
+    ranks: Vec<u32>,
+    /// Which of the eight neighbours of a cell are there, a bit each, counter-clockwise from the right.
+    rings: Vec<u8>,
+    /// Offsets of the eight neighbours in the same order.
+    around: [isize; 8],
+}
+
+impl Figure {
+    fn new(width: usize, height: usize, stretches: &[Range<usize>], rank: &[u32]) -> Self {
+        let (stride, size) = (width + 2, (width + 2) * (height + 2));
+        let s = stride as isize;
+        let around = [1, s + 1, s, s - 1, -1, -s - 1, -s, -s + 1];
+        let mut figure = Figure { width, ranks: vec![GONE; size], rings: vec![0; size], around };
+        let mut there = vec![0u8; size];
+        let padded = |stretch: &Range<usize>| {
+            let first = (stretch.start / width + 1) * stride + stretch.start % width + 1;
+            first..first + stretch.len()
+        };
+        for stretch in stretches {
+            there[padded(stretch)].fill(1);
+            let ranks = figure.ranks[padded(stretch)].iter_mut();
+            ranks.zip(&rank[stretch.clone()]).for_each(|(kept, &rank)| *kept = rank.min(FIXED - 1));
+        }
+        for stretch in stretches {
+            let cells = padded(stretch);
+            for (bit, offset) in around.into_iter().enumerate() {
+                let beside = cells.start.wrapping_add_signed(offset)..cells.end.wrapping_add_signed(offset);
+                let rings = figure.rings[cells.clone()].iter_mut();
+                rings.zip(&there[beside]).for_each(|(ring, there)| *ring |= there << bit);
             }
-            present[p] = false;
-            for offset in around {
-                let q = p.wrapping_add_signed(offset);
-                if present[q] && ranks[q] <= rank {
-                    again.push(q);
-                }
+        }
+        figure
+    }
+
+    fn padded(&self, i: usize) -> usize {
+        (i / self.width + 1) * (self.width + 2) + i % self.width + 1
+    }
+
+    fn fix(&mut self, i: usize) {
+        let p = self.padded(i);
+        self.ranks[p] = FIXED;
+    }
+
+    fn peel(&mut self, order: &[(u32, u32)]) {
+        let mut again = Vec::new();
+        for level in order.chunk_by(|a, b| a.0 == b.0) {
+            let rank = level[0].0.min(FIXED - 1);
+            level.iter().for_each(|&(_, i)| self.take(self.padded(i as usize), rank, &mut again));
+            // A removal can make lower neighbours simple that were not when their turn came.
+            let mut next = 0;
+            while next < again.len() {
+                self.take(again[next] as usize, rank, &mut again);
+                next += 1;
+            }
+            again.clear();
+        }
+    }
+
+    /// Removes a cell that is simple; its neighbours of no higher rank are to be looked at again.
+    fn take(&mut self, p: usize, rank: u32, again: &mut Vec<u32>) {
+        let ring = self.rings[p];
+        if self.ranks[p] >= FIXED || !SIMPLE[usize::from(ring)] {
+            return;
+        }
+        self.ranks[p] = GONE;
+        let mut beside = ring;
+        while beside != 0 {
+            let bit = beside.trailing_zeros();
+            beside &= beside - 1;
+            let q = p.wrapping_add_signed(self.around[bit as usize]);
+            self.rings[q] ^= 1 << ((bit + 4) % 8);
+            if self.ranks[q] <= rank {
+                again.push(q as u32);
             }
         }
     }
-}
-
-/// Offsets of the eight neighbours, counter-clockwise from the right.
-fn ring(stride: usize) -> [isize; 8] {
-    let s = stride as isize;
-    [1, s + 1, s, s - 1, -1, -s - 1, -s, -s + 1]
-}
-
-/// Which of the eight neighbours are present, a bit each in the order of [`ring`].
-fn neighborhood(present: &[bool], p: usize, stride: usize) -> usize {
-    let row = |middle: usize| [present[middle - 1], present[middle], present[middle + 1]].map(usize::from);
-    let (below, [left, _, right], above) = (row(p - stride), row(p), row(p + stride));
-    right
-        | above[2] << 1
-        | above[1] << 2
-        | above[0] << 3
-        | left << 4
-        | below[0] << 5
-        | below[1] << 6
-        | below[2] << 7
 }
 
 /// For every neighbourhood, whether its centre is simple: Yokoi's connectivity number for 8-connected figures is 1.

@@ -60,14 +60,35 @@ impl<'a> Window<'a> {
 
     /// Positions in a row of the cut out part, given by its first cell, that are in the window.
     pub(super) fn stretch(&self, first: usize) -> Range<usize> {
+        self.disc(first, self.radius)
+    }
+
+    /// Those of them that are not on the rim.
+    pub(super) fn inner_stretch(&self, first: usize) -> Range<usize> {
+        // The nearest cells that are as far from the edge of the grid as the rim is deep.
+        let depth = self.rim.ceil() as usize;
+        let y = self.cell(first).y;
+        if y < depth || y.saturating_add(depth) >= self.info.height {
+            return first..first;
+        }
+        let disc = self.disc(first, (self.radius - self.rim).max(0.0));
+        let (left, right) = (depth, self.info.width.saturating_sub(depth));
+        let place = |x: usize| first + x.saturating_sub(self.corner.x);
+        let start = disc.start.max(place(left));
+        start..disc.end.min(place(right)).max(start)
+    }
+
+    /// Positions in a row of the cut out part that are in a disc around the middle of the window.
+    fn disc(&self, first: usize, radius: f64) -> Range<usize> {
         let row = self.cell(first);
         let middle = self.center.x - self.corner.x;
-        let in_disc = |dx: usize| self.contains(CellIndex { x: self.center.x + dx, ..row });
+        let most = radius * radius;
+        let in_disc = |dx: usize| self.squared_offset(CellIndex { x: self.center.x + dx, ..row }) <= most;
         if !in_disc(0) {
             return first..first;
         }
         let across = row.y.abs_diff(self.center.y) as f64;
-        let mut half = (self.radius * self.radius - across * across).max(0.0).sqrt() as usize;
+        let mut half = (most - across * across).max(0.0).sqrt() as usize;
         // The root is rounded.
         while half > 0 && !in_disc(half) {
             half -= 1;
@@ -87,15 +108,20 @@ mod tests {
     proptest! {
         #[test]
         fn the_stretches_of_a_window_are_its_cells(
-            (width, height) in (1usize..30, 1usize..30), (x, y) in (0usize..1000, 0usize..1000), radius in 0.0..40.0f64,
+            (width, height) in (1usize..30, 1usize..30), (x, y) in (0usize..1000, 0usize..1000),
+            radius in 0.0..40.0f64, rim in 0.0..12.0f64,
         ) {
             let info = GridInfo { resolution: 1.0, width, height, origin: crate::geometry::Pose::IDENTITY };
-            let window = Window::new(&info, CellIndex { x: x % width, y: y % height }, radius, 1.0);
+            let window = Window::new(&info, CellIndex { x: x % width, y: y % height }, radius, rim);
             let cut = window.cut;
             let rows = (0..cut.height).flat_map(|y| window.stretch(y * cut.width));
             let found: Vec<CellIndex> = rows.map(|place| window.cell(place)).collect();
             let all = (0..width * height).map(|i| info.index(i));
-            prop_assert_eq!(found, all.filter(|&at| window.contains(at)).collect::<Vec<_>>());
+            prop_assert_eq!(found, all.clone().filter(|&at| window.contains(at)).collect::<Vec<_>>());
+            let rows = (0..cut.height).flat_map(|y| window.inner_stretch(y * cut.width));
+            let inner: Vec<CellIndex> = rows.map(|place| window.cell(place)).collect();
+            let settled = all.filter(|&at| window.contains(at) && !window.on_rim(at));
+            prop_assert_eq!(inner, settled.collect::<Vec<_>>());
             for at in (0..width * height).map(|i| info.index(i)) {
                 prop_assert!(window.place(at).is_none_or(|place| window.cell(place) == at));
                 prop_assert!(window.place(at).is_some() || !window.contains(at));
