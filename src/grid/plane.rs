@@ -32,7 +32,8 @@ impl Plane {
 
     /// Adds the cells of a stretch of a row whose values are as wanted.
     pub(super) fn insert_where<T>(&mut self, first: usize, values: &[T], wanted: impl Fn(&T) -> bool) {
-        let (word, bit) = (first / self.width * self.stride + first % self.width / 64, first % self.width % 64);
+        let (word, bit) =
+            (first / self.width * self.stride + first % self.width / 64, first % self.width % 64);
         let (begun, rest) = values.split_at(values.len().min(64 - bit));
         self.words[word] |= packed(begun, &wanted) << bit;
         for (word, values) in self.words[word + 1..].iter_mut().zip(rest.chunks(64)) {

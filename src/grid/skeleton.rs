@@ -137,7 +137,7 @@ pub fn skeletonize(
     let mut anchors = exits.clone();
     anchors.extend(&rooms);
     anchors.extend(dead_end);
-    let cells = thin(window.cut.width, window.cut.height, &members, &core.squared, &anchors);
+    let cells = thin(window.cut.width, &members, &core.squared, &anchors);
     let cell = |&i: &usize| window.cell(i);
     Ok(Skeleton {
         cells: cells.iter().map(cell).collect(),
@@ -157,15 +157,17 @@ struct Core<'a> {
 impl<'a> Core<'a> {
     fn new(distance: &DistanceField, window: &'a Window<'a>, parameters: &SkeletonParameters) -> Self {
         let Window { info, cut, corner, .. } = *window;
-        let mut squared = Vec::with_capacity(cut.width * cut.height);
-        for row in distance.squared().chunks_exact(info.width).skip(corner.y).take(cut.height) {
-            squared.extend_from_slice(&row[corner.x..corner.x + cut.width]);
+        let mut squared = vec![0; cut.width * cut.height];
+        let (rows, within) = (distance.squared().chunks_exact(info.width), cut.width - 2);
+        for (kept, row) in
+            squared.chunks_exact_mut(cut.width).skip(1).zip(rows.skip(corner.y)).take(cut.height - 2)
+        {
+            kept[1..=within].copy_from_slice(&row[corner.x..corner.x + within]);
         }
         // A strip of clear width w has its obstacle cells, centre to centre, w plus one cell apart.
         let least = ((parameters.passage_width / info.resolution + 1.0) / 2.0).powi(2).ceil() as u32;
         let mut inside = Plane::empty(cut.width, cut.height);
-        for first in (0..squared.len()).step_by(cut.width) {
-            let stretch = window.stretch(first);
+        for stretch in window.rows().map(|row| window.stretch(row)) {
             inside.insert_where(stretch.start, &squared[stretch.clone()], |&squared| squared >= least);
         }
         Core { window, squared, inside }
@@ -214,7 +216,7 @@ impl<'a> Core<'a> {
         let expanses = Patches::new(&wide, true);
         let mut open = vec![false; expanses.sizes().len()];
         for run in expanses.runs() {
-            let inner = self.window.inner_stretch(run.start / wide.width() * wide.width());
+            let inner = self.window.inner_stretch(run.start / wide.width());
             open[run.patch] |= run.start < inner.start || inner.end < run.end;
         }
         expanses.cells_of(&open).for_each(|i| self.inside.remove(i));
@@ -225,7 +227,7 @@ impl<'a> Core<'a> {
         let cut = &self.window.cut;
         let mut rim = Plane::empty(cut.width, cut.height);
         for run in members {
-            let inner = self.window.inner_stretch(run.start / cut.width * cut.width);
+            let inner = self.window.inner_stretch(run.start / cut.width);
             rim.insert_run(run.start..run.end.min(inner.start.max(run.start)));
             rim.insert_run(run.start.max(inner.end.min(run.end))..run.end);
         }

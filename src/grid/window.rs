@@ -9,9 +9,10 @@ pub(super) struct Window<'a> {
     center: CellIndex,
     radius: f64,
     rim: f64,
-    /// The smallest part of the grid that holds the window; indices of cells are positions in it.
+    /// The smallest part of the grid that holds the window, with a frame of one cell around it, which may lie beyond the
+    /// grid; indices of cells are positions in it.
     pub(super) cut: GridInfo,
-    /// Its first cell.
+    /// Its first cell within the frame.
     pub(super) corner: CellIndex,
 }
 
@@ -23,8 +24,8 @@ impl<'a> Window<'a> {
         let corner = CellIndex { x: center.x.saturating_sub(reach), y: center.y.saturating_sub(reach) };
         let end = |at: usize, side: usize| side.min(at.saturating_add(reach).saturating_add(1));
         let cut = GridInfo {
-            width: end(center.x, info.width) - corner.x,
-            height: end(center.y, info.height) - corner.y,
+            width: end(center.x, info.width) - corner.x + 2,
+            height: end(center.y, info.height) - corner.y + 2,
             ..*info
         };
         Window { info, center, radius, rim, cut, corner }
@@ -49,45 +50,48 @@ impl<'a> Window<'a> {
     /// Where in the cut out part a cell is, if it is there.
     pub(super) fn place(&self, at: CellIndex) -> Option<usize> {
         let (x, y) = (at.x.checked_sub(self.corner.x)?, at.y.checked_sub(self.corner.y)?);
-        (x < self.cut.width && y < self.cut.height).then_some(y * self.cut.width + x)
+        (x + 2 < self.cut.width && y + 2 < self.cut.height).then_some((y + 1) * self.cut.width + x + 1)
     }
 
     /// The inverse of `place`.
     pub(super) fn cell(&self, place: usize) -> CellIndex {
         let at = self.cut.index(place);
-        CellIndex { x: at.x + self.corner.x, y: at.y + self.corner.y }
+        CellIndex { x: at.x + self.corner.x - 1, y: at.y + self.corner.y - 1 }
     }
 
-    /// Positions in a row of the cut out part, given by its first cell, that are in the window.
-    pub(super) fn stretch(&self, first: usize) -> Range<usize> {
-        self.disc(first, self.radius)
+    /// Rows of the cut out part within the frame.
+    pub(super) fn rows(&self) -> Range<usize> {
+        1..self.cut.height - 1
+    }
+
+    /// Positions in one of the rows that are in the window.
+    pub(super) fn stretch(&self, row: usize) -> Range<usize> {
+        self.disc(row, self.radius)
     }
 
     /// Those of them that are not on the rim.
-    pub(super) fn inner_stretch(&self, first: usize) -> Range<usize> {
+    pub(super) fn inner_stretch(&self, row: usize) -> Range<usize> {
         // The nearest cells that are as far from the edge of the grid as the rim is deep.
         let depth = self.rim.ceil() as usize;
-        let y = self.cell(first).y;
+        let (y, first) = (row + self.corner.y - 1, row * self.cut.width + 1);
         if y < depth || y.saturating_add(depth) >= self.info.height {
             return first..first;
         }
-        let disc = self.disc(first, (self.radius - self.rim).max(0.0));
-        let (left, right) = (depth, self.info.width.saturating_sub(depth));
+        let disc = self.disc(row, (self.radius - self.rim).max(0.0));
         let place = |x: usize| first + x.saturating_sub(self.corner.x);
-        let start = disc.start.max(place(left));
-        start..disc.end.min(place(right)).max(start)
+        let start = disc.start.max(place(depth));
+        start..disc.end.min(place(self.info.width.saturating_sub(depth))).max(start)
     }
 
-    /// Positions in a row of the cut out part that are in a disc around the middle of the window.
-    fn disc(&self, first: usize, radius: f64) -> Range<usize> {
-        let row = self.cell(first);
-        let middle = self.center.x - self.corner.x;
+    /// Positions in one of the rows that are in a disc around the middle of the window.
+    fn disc(&self, row: usize, radius: f64) -> Range<usize> {
+        let (y, first) = (row + self.corner.y - 1, row * self.cut.width + 1);
         let most = radius * radius;
-        let in_disc = |dx: usize| self.squared_offset(CellIndex { x: self.center.x + dx, ..row }) <= most;
+        let in_disc = |dx: usize| self.squared_offset(CellIndex { x: self.center.x + dx, y }) <= most;
         if !in_disc(0) {
             return first..first;
         }
-        let across = row.y.abs_diff(self.center.y) as f64;
+        let across = y.abs_diff(self.center.y) as f64;
         let mut half = (most - across * across).max(0.0).sqrt() as usize;
         // The root is rounded.
         while half > 0 && !in_disc(half) {
@@ -96,7 +100,8 @@ impl<'a> Window<'a> {
         while in_disc(half + 1) {
             half += 1;
         }
-        first + middle.saturating_sub(half)..first + (middle + half + 1).min(self.cut.width)
+        let middle = self.center.x - self.corner.x;
+        first + middle.saturating_sub(half)..first + (middle + half + 1).min(self.cut.width - 2)
     }
 }
 
@@ -113,12 +118,11 @@ mod tests {
         ) {
             let info = GridInfo { resolution: 1.0, width, height, origin: crate::geometry::Pose::IDENTITY };
             let window = Window::new(&info, CellIndex { x: x % width, y: y % height }, radius, rim);
-            let cut = window.cut;
-            let rows = (0..cut.height).flat_map(|y| window.stretch(y * cut.width));
+            let rows = window.rows().flat_map(|row| window.stretch(row));
             let found: Vec<CellIndex> = rows.map(|place| window.cell(place)).collect();
             let all = (0..width * height).map(|i| info.index(i));
             prop_assert_eq!(found, all.clone().filter(|&at| window.contains(at)).collect::<Vec<_>>());
-            let rows = (0..cut.height).flat_map(|y| window.inner_stretch(y * cut.width));
+            let rows = window.rows().flat_map(|row| window.inner_stretch(row));
             let inner: Vec<CellIndex> = rows.map(|place| window.cell(place)).collect();
             let settled = all.filter(|&at| window.contains(at) && !window.on_rim(at));
             prop_assert_eq!(inner, settled.collect::<Vec<_>>());
