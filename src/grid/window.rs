@@ -64,6 +64,33 @@ impl<'a> Window<'a> {
         1..self.cut.height - 1
     }
 
+    /// Those of the rows that some between two heights in cells are among.
+    pub(super) fn rows_between(&self, low: f64, high: f64) -> Range<usize> {
+        let rows = self.rows();
+        // Casts saturate: what lies beyond the window is cut off.
+        let row = |y: f64| (y.max(0.0) as usize).saturating_add(1).saturating_sub(self.corner.y);
+        row(low).max(rows.start)..row(high.ceil()).min(rows.end)
+    }
+
+    /// The cells of a row that are in the window and between two abscissas in cells: their columns in the grid, and their
+    /// positions.
+    pub(super) fn columns_between(
+        &self,
+        row: usize,
+        left: f64,
+        right: f64,
+    ) -> impl Iterator<Item = (usize, usize)> {
+        let (stretch, first, corner) = (self.stretch(row), row * self.cut.width + 1, self.corner.x);
+        let place = |x: f64| first + (x.max(0.0) as usize).saturating_sub(corner).min(self.cut.width);
+        let places = place(left).max(stretch.start)..place(right.ceil()).min(stretch.end);
+        places.map(move |place| (place - first + corner, place))
+    }
+
+    /// The row of the grid that a row of the cut out part is.
+    pub(super) fn y(&self, row: usize) -> usize {
+        row + self.corner.y - 1
+    }
+
     /// Positions in one of the rows that are in the window.
     pub(super) fn stretch(&self, row: usize) -> Range<usize> {
         self.disc(row, self.radius)
@@ -73,7 +100,7 @@ impl<'a> Window<'a> {
     pub(super) fn inner_stretch(&self, row: usize) -> Range<usize> {
         // The nearest cells that are as far from the edge of the grid as the rim is deep.
         let depth = self.rim.ceil() as usize;
-        let (y, first) = (row + self.corner.y - 1, row * self.cut.width + 1);
+        let (y, first) = (self.y(row), row * self.cut.width + 1);
         if y < depth || y.saturating_add(depth) >= self.info.height {
             return first..first;
         }
@@ -85,19 +112,19 @@ impl<'a> Window<'a> {
 
     /// Positions in one of the rows that are in a disc around the middle of the window.
     fn disc(&self, row: usize, radius: f64) -> Range<usize> {
-        let (y, first) = (row + self.corner.y - 1, row * self.cut.width + 1);
+        let (y, first) = (self.y(row), row * self.cut.width + 1);
         let most = radius * radius;
         let in_disc = |dx: usize| self.squared_offset(CellIndex { x: self.center.x + dx, y }) <= most;
         if !in_disc(0) {
             return first..first;
         }
         let across = y.abs_diff(self.center.y) as f64;
-        let mut half = (most - across * across).max(0.0).sqrt() as usize;
+        let mut half = ((most - across * across).max(0.0).sqrt() as usize).min(self.cut.width);
         // The root is rounded.
         while half > 0 && !in_disc(half) {
             half -= 1;
         }
-        while in_disc(half + 1) {
+        while half < self.cut.width && in_disc(half + 1) {
             half += 1;
         }
         let middle = self.center.x - self.corner.x;
@@ -114,7 +141,7 @@ mod tests {
         #[test]
         fn the_stretches_of_a_window_are_its_cells(
             (width, height) in (1usize..30, 1usize..30), (x, y) in (0usize..1000, 0usize..1000),
-            radius in 0.0..40.0f64, rim in 0.0..12.0f64,
+            radius in prop_oneof![0.0..40.0f64, Just(1e30)], rim in 0.0..12.0f64,
         ) {
             let info = GridInfo { resolution: 1.0, width, height, origin: crate::geometry::Pose::IDENTITY };
             let window = Window::new(&info, CellIndex { x: x % width, y: y % height }, radius, rim);
