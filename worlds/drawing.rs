@@ -204,11 +204,15 @@ mod tests {
     #[test]
     fn a_window_of_no_size_or_beyond_all_bounds_is_refused() {
         let plan = Drawing::new().room((-1.0, -1.0), (1.0, 1.0));
-        let render =
-            |resolution| plan.render(&window(8.0, resolution, Point::origin(), 0.0), &Point::origin());
-        assert_eq!(render(0.0), Err(GridError::Resolution(0.0)));
-        assert!(matches!(render(1e-9), Err(GridError::Size { .. })));
-        assert!(matches!(render(1e9), Err(GridError::Size { .. })));
+        let render = |side, resolution| {
+            plan.render(&window(side, resolution, Point::origin(), 0.0), &Point::origin())
+        };
+        for resolution in [0.0, 1e-9, 1e9] {
+            assert_eq!(render(8.0, resolution), Err(GridError::Resolution(resolution)));
+        }
+        for side in [0.0, 8e4] {
+            assert!(matches!(render(side, 0.1), Err(GridError::Size { .. })));
+        }
     }
 
     #[test]

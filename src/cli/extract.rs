@@ -123,9 +123,13 @@ impl Extract {
     }
 
     fn grids(&self) -> Result<Grids, Failure> {
-        let grid = match plain_extension(&self.input).as_str() {
-            "json" => self.json_grid()?,
-            "png" | "pgm" => self.image_grid()?,
+        let lpm = match plain_extension(&self.input).as_str() {
+            "json" => self.json_lpm()?,
+            "png" | "pgm" => {
+                let grid = self.image_grid()?;
+                let pose = self.at.unwrap_or_else(|| middle(grid.info()));
+                Lpm::new(grid, pose)
+            }
             _ if self.at.is_some() => {
                 return Err(Failure::Usage(
                     "--at goes with one grid; a trace says where the robot is".into(),
@@ -136,8 +140,7 @@ impl Extract {
         if self.visits.is_some() {
             return Err(Failure::Usage("--visits goes with a log, not with a grid".into()));
         }
-        let robot_pose = self.at.unwrap_or_else(|| middle(grid.info()));
-        Ok(Grids { lpms: vec![Lpm::new(grid, robot_pose)], fault: None })
+        Ok(Grids { lpms: vec![lpm], fault: None })
     }
 
     fn trace_grids(&self) -> Result<Grids, Failure> {
@@ -163,13 +166,15 @@ impl Extract {
         Ok(Grids { lpms, fault })
     }
 
-    fn json_grid(&self) -> Result<OccupancyGrid, Failure> {
+    fn json_lpm(&self) -> Result<Lpm, Failure> {
         let bad = |error: String| Failure::input(&self.input, error);
         let mut json = serde_json::Deserializer::from_reader(open(&self.input)?);
         let wire: WireLpm =
             serde_path_to_error::deserialize(&mut json).map_err(|error| bad(error.to_string()))?;
         json.end().map_err(|error| bad(format!("more text after the grid: {error}; expected one object")))?;
-        wire.grid("").map_err(|error| bad(error.to_string()))
+        let lpm = wire.lpm(Pose::IDENTITY, "").map_err(|error| bad(error.to_string()))?;
+        let robot_pose = self.at.unwrap_or_else(|| middle(lpm.grid.info()));
+        Ok(Lpm { robot_pose, ..lpm })
     }
 
     fn image_grid(&self) -> Result<OccupancyGrid, Failure> {

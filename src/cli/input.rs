@@ -99,8 +99,9 @@ fn found_visits(input: &Path, mut log: LogScans) -> Result<Events, Failure> {
         detector.now().into_iter().for_each(|now| track.add(scan, now));
         drive.add(scan, pose);
     });
+    let driven = detector.now().map_or(0.0, |now| now.driven);
     stages.extend(detector.finish());
-    Events::of(input, &log, stages, fault).map(|events| events.along(track, drive))
+    Events::of(input, &log, stages, driven, fault).map(|events| events.along(track, drive))
 }
 
 /// The events of a log up to its first fault; arrivals after that are left out.
@@ -116,13 +117,14 @@ fn visits_at(input: &Path, mut log: LogScans, visits: &Path) -> Result<Events, F
         marked.now().into_iter().for_each(|now| track.add(scan, now));
         drive.add(scan, pose);
     });
+    let driven = marked.now().map_or(0.0, |now| now.driven);
     let (last, beyond) = marked.finish();
     stages.extend(last);
     // A log that ended too early does not hold them all.
     if let Some(error) = beyond.filter(|_| fault.is_none()) {
         return Err(bad(&error));
     }
-    Events::of(input, &log, stages, fault).map(|events| events.along(track, drive))
+    Events::of(input, &log, stages, driven, fault).map(|events| events.along(track, drive))
 }
 
 /// Marked arrivals, from CSV.
@@ -168,6 +170,7 @@ impl Events {
         input: &Path,
         log: &LogScans,
         stages: Vec<Stage>,
+        driven: f64,
         fault: Option<LogError>,
     ) -> Result<Events, Failure> {
         let fault = fault.map(|fault| Failure::input(input, fault));
@@ -176,6 +179,9 @@ impl Events {
             return fault.map_or_else(|| Ok(Events::default()), Err);
         }
         eprintln!("{}: {report}", input.display());
+        if stages.is_empty() && fault.is_none() {
+            return Err(Failure::input(input, no_visit(log, driven)));
+        }
         let mut events = Events { fault, ..Events::default() };
         let mut recorder = Recorder::default();
         for stage in stages {
@@ -195,6 +201,16 @@ impl Events {
         self.way.drive = drive.finish();
         self
     }
+}
+
+/// Why a log has no visit, as far as can be told.
+fn no_visit(log: &LogScans, driven: f64) -> String {
+    let report = log.report();
+    format!(
+        "no visit was found in {} scans over {driven:.1} m, expected a place with more than one way on that the robot came \
+         into and left: is the log longer than a corridor, and do most of its readings return?",
+        report.scans()
+    )
 }
 
 /// Where a visit is on the way. Its LPM has the axes of the local frame.

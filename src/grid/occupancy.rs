@@ -4,10 +4,15 @@
 //! -1 is unknown, 0 free and 100 occupied, and the origin is the pose of the bottom-left *corner* of cell (0, 0).
 
 use crate::geometry::{Point, Pose};
+use std::ops::RangeInclusive;
 use thiserror::Error;
 
 /// The most cells a side of a grid may have, so that indices and memory stay bounded.
 pub const MAX_SIDE: usize = 8192;
+/// The sides of cells there may be, metres: from what no range finder tells apart to what holds a house.
+pub const RESOLUTIONS: RangeInclusive<f64> = 1e-3..=100.0;
+/// How far from zero the origin of a grid may be, metres: further off, millimetres are lost to rounding.
+pub const FARTHEST: f64 = 1e7;
 
 // Those that share a side come first.
 const NEIGHBORS: [(isize, isize); 8] = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)];
@@ -63,8 +68,8 @@ pub struct GridInfo {
 /// Why a grid was refused.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum GridError {
-    /// The resolution is not a positive finite number.
-    #[error("resolution is {0}, expected metres per cell, finite and above 0")]
+    /// The side of a cell is not within [`RESOLUTIONS`].
+    #[error("resolution is {0}, expected metres per cell, 0.001 to 100")]
     Resolution(f64),
     /// A side is zero or beyond [`MAX_SIDE`].
     #[error("the grid is {width} x {height} cells, expected 1 to {MAX_SIDE} on each side")]
@@ -74,8 +79,10 @@ pub enum GridError {
         /// Rows given.
         height: usize,
     },
-    /// The origin holds a number that is not finite.
-    #[error("the origin is not finite")]
+    /// The origin is farther off than [`FARTHEST`], or no number.
+    #[error(
+        "the origin is not a pose within 10000 km of zero, beyond which cells cannot be told apart; move it"
+    )]
     Origin,
     /// The number of cells is not width x height.
     #[error("{found} cells, expected width x height = {expected}")]
@@ -200,13 +207,13 @@ impl GridInfo {
 
 fn check(info: &GridInfo, cells: usize) -> Result<(), GridError> {
     let GridInfo { resolution, width, height, origin } = *info;
-    if !(resolution.is_finite() && resolution > 0.0) {
+    if !RESOLUTIONS.contains(&resolution) {
         return Err(GridError::Resolution(resolution));
     }
     if !(1..=MAX_SIDE).contains(&width) || !(1..=MAX_SIDE).contains(&height) {
         return Err(GridError::Size { width, height });
     }
-    if !origin.is_finite() {
+    if !origin.is_finite() || origin.x.abs().max(origin.y.abs()) > FARTHEST {
         return Err(GridError::Origin);
     }
     if cells != width * height {
@@ -260,7 +267,13 @@ mod tests {
         assert_eq!(refused(info(2, 1), &[0]), GridError::Length { expected: 2, found: 1 });
         assert_eq!(refused(info(0, 1), &[]), GridError::Size { width: 0, height: 1 });
         assert_eq!(refused(info(2, 1), &[0, 1]), GridError::OccupiedScale);
-        let nan = GridInfo { resolution: f64::NAN, ..info(1, 1) };
-        assert!(matches!(refused(nan, &[0]), GridError::Resolution(_)));
+        for resolution in [f64::NAN, f64::INFINITY, 0.0, -1.0, 1e-200, 1e200] {
+            let odd = GridInfo { resolution, ..info(1, 1) };
+            assert!(matches!(refused(odd, &[0]), GridError::Resolution(_)));
+        }
+        for x in [f64::NAN, 1e15] {
+            let odd = GridInfo { origin: Pose { x, y: 0.0, theta: 0.0 }, ..info(1, 1) };
+            assert_eq!(refused(odd, &[0]), GridError::Origin);
+        }
     }
 }

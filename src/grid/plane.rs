@@ -1,6 +1,7 @@
 //! One bit a cell: what holds of whole rows is found sixty-four cells at a time.
 
 use crate::grid::Cell;
+use std::ops::Range;
 
 /// The cells of a grid of which something holds, row by row; every row begins a word of its own.
 pub(super) struct Plane {
@@ -18,7 +19,7 @@ impl Plane {
         let stride = width.div_ceil(64);
         let mut words = Vec::with_capacity(stride * (cells.len() / width));
         for row in cells.chunks_exact(width) {
-            words.extend(row.chunks(64).map(|cells| packed(cells, kind)));
+            words.extend(row.chunks(64).map(|cells| packed(cells, &|&cell| cell == kind)));
         }
         Plane { words, width, stride }
     }
@@ -29,15 +30,25 @@ impl Plane {
         Plane { words: vec![0; stride * height], width, stride }
     }
 
-    /// Adds those cells of a stretch of a row of which something holds, told by their position in the stretch.
-    pub(super) fn insert_where(&mut self, first: usize, count: usize, holds: impl Fn(usize) -> bool) {
-        let (y, x) = (first / self.width, first % self.width);
-        let row = &mut self.words[y * self.stride..(y + 1) * self.stride];
-        for (k, word) in row.iter_mut().enumerate() {
-            let (low, high) = ((k * 64).max(x), (k * 64 + 64).min(x + count));
-            for at in low..high {
-                *word |= u64::from(holds(at - x)) << (at % 64);
-            }
+    /// Adds the cells of a stretch of a row whose values are as wanted.
+    pub(super) fn insert_where<T>(&mut self, first: usize, values: &[T], wanted: impl Fn(&T) -> bool) {
+        let (word, bit) =
+            (first / self.width * self.stride + first % self.width / 64, first % self.width % 64);
+        let (begun, rest) = values.split_at(values.len().min(64 - bit));
+        self.words[word] |= packed(begun, &wanted) << bit;
+        for (word, values) in self.words[word + 1..].iter_mut().zip(rest.chunks(64)) {
+            *word |= packed(values, &wanted);
+        }
+    }
+
+    /// Adds a stretch of a row.
+    pub(super) fn insert_run(&mut self, cells: Range<usize>) {
+        let row = cells.start / self.width;
+        let (mut x, end) = (cells.start - row * self.width, cells.end - row * self.width);
+        while x < end {
+            let count = (end - x).min(64 - x % 64);
+            self.words[row * self.stride + x / 64] |= u64::MAX >> (64 - count) << (x % 64);
+            x += count;
         }
     }
 
@@ -142,13 +153,14 @@ impl Plane {
     }
 }
 
-fn packed(cells: &[Cell], kind: Cell) -> u64 {
-    let eight = |k: usize, cells: &[Cell]| {
+/// A bit for each of up to sixty-four values, whether it is as wanted.
+fn packed<T>(values: &[T], wanted: &impl Fn(&T) -> bool) -> u64 {
+    let eight = |k: usize, values: &[T]| {
         let mut bytes = [0; 8];
-        bytes.iter_mut().zip(cells).for_each(|(byte, &cell)| *byte = u8::from(cell == kind));
+        bytes.iter_mut().zip(values).for_each(|(byte, value)| *byte = u8::from(wanted(value)));
         u64::from_le_bytes(bytes).wrapping_mul(GATHER) >> 56 << (8 * k)
     };
-    cells.chunks(8).enumerate().map(|(k, cells)| eight(k, cells)).sum()
+    values.chunks(8).enumerate().map(|(k, values)| eight(k, values)).sum()
 }
 
 fn each_bit(mut word: u64, mut call: impl FnMut(usize)) {

@@ -1,7 +1,7 @@
 //! Rooms: spaces at the end of a way that are wider than the way into them.
 
 use crate::grid::GridInfo;
-use crate::grid::thinning::sort;
+use crate::grid::thinning::sorted;
 
 /// A space at or above some clearance, by its first cell in the order of flooding.
 struct Space {
@@ -25,12 +25,11 @@ pub(super) fn rooms(
     on_rim: impl Fn(usize) -> bool,
     ratio: f64,
 ) -> Vec<usize> {
-    let mut order: Vec<(u32, u32)> = members.iter().map(|&i| (squared[i], i as u32)).collect();
-    sort(&mut order);
+    let order = sorted(members.iter().map(|&i| i as u32).collect(), squared);
     let mut flood = Flood { parents: Vec::new(), spaces: Vec::new(), rooms: Vec::new() };
     // 0 is no space yet.
     let mut space_of = vec![0u32; squared.len()];
-    for &(level, cell) in order.iter().rev() {
+    for &cell in order.iter().rev() {
         let i = cell as usize;
         let mut own: Option<u32> = None;
         for next in info.neighbors(info.index(i), true) {
@@ -40,7 +39,7 @@ pub(super) fn rooms(
             }
             let other = flood.root(space_of[j] - 1);
             own = Some(match own {
-                Some(own) if own != other => flood.meet(own, other, f64::from(level), squared, ratio),
+                Some(own) if own != other => flood.meet(own, other, f64::from(squared[i]), squared, ratio),
                 _ => other,
             });
         }

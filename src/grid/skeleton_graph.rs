@@ -48,7 +48,8 @@ pub struct SkeletonGraph {
 }
 
 impl SkeletonGraph {
-    /// The graph of a skeleton, nodes and edges in row-major order of their first cells.
+    /// The graph of a skeleton. Nodes are exits, rooms, the dead end and then junctions, each in row-major order of their
+    /// first cells; edges go by the nodes' cells in that order.
     pub fn new(skeleton: &Skeleton, distance: &DistanceField) -> Self {
         let mut builder = Builder::new(skeleton, distance);
         builder.add_nodes(skeleton);
@@ -155,16 +156,34 @@ enum Owner {
 struct Builder<'a> {
     distance: &'a DistanceField,
     cells: &'a [CellIndex],
+    /// The smallest part of the grid that holds the skeleton: its first cell, and its columns.
+    corner: CellIndex,
+    width: usize,
     owner: Vec<Owner>,
     graph: UnGraph<SkeletonNode, SkeletonEdge>,
 }
 
 impl<'a> Builder<'a> {
     fn new(skeleton: &'a Skeleton, distance: &'a DistanceField) -> Self {
-        let info = distance.info();
-        let mut owner = vec![Owner::Nothing; info.width * info.height];
-        skeleton.cells.iter().for_each(|&cell| owner[info.offset(cell)] = Owner::Chain);
-        Builder { distance, cells: &skeleton.cells, owner, graph: UnGraph::default() }
+        let cells = &skeleton.cells[..];
+        let span = |of: fn(&CellIndex) -> usize| {
+            let first = cells.iter().map(of).min().unwrap_or(0);
+            (first, cells.iter().map(of).max().map_or(0, |last| last + 1 - first))
+        };
+        let ((x, width), (y, height)) = (span(|cell| cell.x), span(|cell| cell.y));
+        let owner = vec![Owner::Nothing; width * height];
+        let corner = CellIndex { x, y };
+        let mut builder = Builder { distance, cells, corner, width, owner, graph: UnGraph::default() };
+        for &cell in cells {
+            let place = builder.place(cell);
+            builder.owner[place] = Owner::Chain;
+        }
+        builder
+    }
+
+    /// The position of a cell of the skeleton.
+    fn place(&self, cell: CellIndex) -> usize {
+        (cell.y - self.corner.y) * self.width + cell.x - self.corner.x
     }
 
     fn around(&self, cell: CellIndex) -> impl Iterator<Item = CellIndex> + '_ {
@@ -173,7 +192,11 @@ impl<'a> Builder<'a> {
     }
 
     fn owner_of(&self, cell: CellIndex) -> Owner {
-        self.owner[self.distance.info().offset(cell)]
+        let beside = cell.x < self.corner.x || cell.y < self.corner.y || cell.x >= self.corner.x + self.width;
+        if beside {
+            return Owner::Nothing;
+        }
+        self.owner.get(self.place(cell)).copied().unwrap_or(Owner::Nothing)
     }
 
     fn add_node(&mut self, kind: NodeKind, cells: &[CellIndex]) {
@@ -182,7 +205,8 @@ impl<'a> Builder<'a> {
         let Some(cell) = widest else { return };
         let node = self.graph.add_node(SkeletonNode { kind, cell, clearance: clearance(&cell) });
         for &member in cells {
-            self.owner[self.distance.info().offset(member)] = Owner::Node(node);
+            let place = self.place(member);
+            self.owner[place] = Owner::Node(node);
         }
     }
 
@@ -222,7 +246,7 @@ impl<'a> Builder<'a> {
             let around: Vec<CellIndex> = self.around(cell).collect();
             for next in around {
                 match self.owner_of(next) {
-                    Owner::Chain if !walked[self.distance.info().offset(next)] => {
+                    Owner::Chain if !walked[self.place(next)] => {
                         self.walk(node, cell, next, &mut walked);
                     }
                     Owner::Node(other) if node < other && self.graph.find_edge(node, other).is_none() => {
@@ -241,11 +265,11 @@ impl<'a> Builder<'a> {
         let mut cells = vec![self.graph[node].cell];
         let (mut before, mut at) = (cell, first);
         loop {
-            walked[info.offset(at)] = true;
+            walked[self.place(at)] = true;
             cells.push(at);
             let fresh = |next: &CellIndex| match self.owner_of(*next) {
                 Owner::Node(other) => *next != before && !(other == node && cells.len() == 2),
-                _ => *next != before && !walked[info.offset(*next)],
+                _ => *next != before && !walked[self.place(*next)],
             };
             let nodes = |next: &CellIndex| matches!(self.owner_of(*next), Owner::Node(_));
             let ahead: Vec<CellIndex> = self.around(at).filter(fresh).collect();

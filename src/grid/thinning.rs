@@ -7,79 +7,65 @@
 
 use std::ops::Range;
 
-/// The cells that remain of some in a grid of width x height cells, ascending. They come as stretches of rows,
-/// ascending; `rank` gives the order of removal of each cell of the grid.
-pub(super) fn thin(
-    width: usize,
-    height: usize,
-    stretches: &[Range<usize>],
-    rank: &[u32],
-    anchors: &[usize],
-) -> Vec<usize> {
-    // A frame of absent cells makes every neighbourhood complete.
-    let stride = width + 2;
-    let padded = |i: usize| (i / width + 1) * stride + i % width + 1;
-    let mut ranks = vec![0u32; stride * (height + 2)];
-    let mut present = vec![false; stride * (height + 2)];
-    let mut order: Vec<(u32, u32)> = Vec::with_capacity(stretches.iter().map(Range::len).sum());
-    for stretch in stretches {
-        let first = padded(stretch.start);
-        let there = first..first + stretch.len();
-        ranks[there.clone()].copy_from_slice(&rank[stretch.clone()]);
-        present[there].fill(true);
-        order.extend(rank[stretch.clone()].iter().zip(first as u32..).map(|(&rank, p)| (rank, p)));
-    }
-    let mut fixed = vec![false; present.len()];
-    anchors.iter().for_each(|&i| fixed[padded(i)] = true);
-    sort(&mut order);
-    peel(&order, &ranks, &fixed, &mut present, stride);
-    let left = |stretch: &Range<usize>| {
-        let first = padded(stretch.start);
-        let cells = stretch.clone().zip(&present[first..first + stretch.len()]);
-        cells.filter(|(_, present)| **present).map(|(i, _)| i).collect::<Vec<_>>()
-    };
-    stretches.iter().flat_map(left).collect()
+/// The cells that remain of some in a grid with rows of `stride` cells, ascending. They come as stretches of rows,
+/// ascending, none of which reaches the border of the grid, so that every neighbourhood is complete. `rank` gives the
+/// order of removal of each cell of the grid. As long as sorting, else linear in the cells.
+pub(super) fn thin(stride: usize, stretches: &[Range<usize>], rank: &[u32], anchors: &[usize]) -> Vec<usize> {
+    let mut marks = vec![GONE; rank.len()];
+    stretches.iter().for_each(|stretch| marks[stretch.clone()].fill(THERE));
+    anchors.iter().for_each(|&i| marks[i] = FIXED);
+    let mut order = Vec::with_capacity(stretches.iter().map(Range::len).sum());
+    stretches.iter().for_each(|stretch| order.extend(stretch.start as u32..stretch.end as u32));
+    peel(&sorted(order, rank), rank, &mut marks, stride);
+    stretches.iter().cloned().flatten().filter(|&i| marks[i] != GONE).collect()
 }
 
-/// Sorts by rank and then by position; by counting where ranks are dense. Members come by ascending position.
-pub(super) fn sort(order: &mut Vec<(u32, u32)>) {
-    let most = order.iter().map(|&(rank, _)| rank as usize).max().unwrap_or(0);
-    if most > 4 * order.len() {
-        order.sort_unstable();
-        return;
+/// What has become of a cell.
+const GONE: u8 = 0;
+const THERE: u8 = 1;
+/// It is an anchor.
+const FIXED: u8 = 2;
+
+/// Cells given by ascending position, sorted by rank and then by position; by counting where ranks are dense.
+pub(super) fn sorted(mut cells: Vec<u32>, rank: &[u32]) -> Vec<u32> {
+    let of = |&cell: &u32| rank[cell as usize];
+    let most = cells.iter().map(of).max().unwrap_or(0) as usize;
+    if most > 4 * cells.len() {
+        cells.sort_by_key(of);
+        return cells;
     }
     let mut starts = vec![0u32; most + 2];
-    order.iter().for_each(|&(rank, _)| starts[rank as usize + 1] += 1);
+    cells.iter().for_each(|cell| starts[of(cell) as usize + 1] += 1);
     (1..starts.len()).for_each(|rank| starts[rank] += starts[rank - 1]);
-    let mut sorted = vec![(0, 0); order.len()];
-    for &entry in order.iter() {
-        let slot = &mut starts[entry.0 as usize];
-        sorted[*slot as usize] = entry;
+    let mut sorted = vec![0; cells.len()];
+    for cell in &cells {
+        let slot = &mut starts[of(cell) as usize];
+        sorted[*slot as usize] = *cell;
         *slot += 1;
     }
-    *order = sorted;
+    sorted
 }
 
-fn peel(order: &[(u32, u32)], ranks: &[u32], fixed: &[bool], present: &mut [bool], stride: usize) {
+fn peel(order: &[u32], ranks: &[u32], marks: &mut [u8], stride: usize) {
     let around = ring(stride);
-    let mut again: Vec<usize> = Vec::new();
-    for level in order.chunk_by(|a, b| a.0 == b.0) {
-        let rank = level[0].0;
+    let mut again: Vec<u32> = Vec::new();
+    for level in order.chunk_by(|&a, &b| ranks[a as usize] == ranks[b as usize]) {
+        let rank = ranks[level[0] as usize];
         again.clear();
-        again.extend(level.iter().map(|&(_, p)| p as usize));
+        again.extend(level);
         // A removal can make lower neighbours simple that were not when their turn came.
         let mut next = 0;
         while next < again.len() {
-            let p = again[next];
+            let p = again[next] as usize;
             next += 1;
-            if !present[p] || fixed[p] || !SIMPLE[neighborhood(present, p, stride)] {
+            if marks[p] != THERE || !SIMPLE[neighborhood(marks, p, stride)] {
                 continue;
             }
-            present[p] = false;
+            marks[p] = GONE;
             for offset in around {
                 let q = p.wrapping_add_signed(offset);
-                if present[q] && ranks[q] <= rank {
-                    again.push(q);
+                if marks[q] == THERE && ranks[q] <= rank {
+                    again.push(q as u32);
                 }
             }
         }
@@ -93,8 +79,10 @@ fn ring(stride: usize) -> [isize; 8] {
 }
 
 /// Which of the eight neighbours are present, a bit each in the order of [`ring`].
-fn neighborhood(present: &[bool], p: usize, stride: usize) -> usize {
-    let row = |middle: usize| [present[middle - 1], present[middle], present[middle + 1]].map(usize::from);
+fn neighborhood(marks: &[u8], p: usize, stride: usize) -> usize {
+    let row = |middle: usize| {
+        [marks[middle - 1], marks[middle], marks[middle + 1]].map(|mark| usize::from(mark != GONE))
+    };
     let (below, [left, _, right], above) = (row(p - stride), row(p), row(p + stride));
     right
         | above[2] << 1
@@ -160,32 +148,35 @@ mod tests {
         count
     }
 
-    fn padded_holes(width: usize, height: usize, cells: &[usize]) -> usize {
-        let (w, h) = (width + 2, height + 2);
-        let inner = |p: usize| (1..=width).contains(&(p % w)) && (1..=height).contains(&(p / w));
-        pieces(w, h, false, |p| !inner(p) || !cells.contains(&((p / w - 1) * width + p % w - 1)))
+    /// The place of a cell of 12 x 9 within a frame of one cell.
+    fn framed(i: usize) -> usize {
+        (i / 12 + 1) * 14 + i % 12 + 1
     }
 
     proptest! {
         #[test]
-        fn pieces_and_holes_are_kept(filled in prop::collection::vec(prop::bool::weighted(0.7), 12 * 9), seed in 0u32..1000) {
-            let members: Vec<usize> = (0..filled.len()).filter(|&i| filled[i]).collect();
+        fn pieces_and_holes_are_kept(
+            filled in prop::collection::vec(prop::bool::weighted(0.7), 12 * 9), seed in 0u32..1000,
+            spread in prop_oneof![Just(1u32), Just(1000)],
+        ) {
+            let members: Vec<usize> = (0..filled.len()).filter(|&i| filled[i]).map(framed).collect();
             let anchors: Vec<usize> = members.iter().copied().filter(|i| i % 17 == seed as usize % 17).collect();
-            let rank: Vec<u32> = (0..filled.len() as u32).map(|i| (i * 7919 + seed) % 5).collect();
+            let rank: Vec<u32> = (0..14 * 11).map(|i| (i * 7919 + seed) % 5 * spread).collect();
             let stretches: Vec<Range<usize>> = members.iter().map(|&i| i..i + 1).collect();
-            let left = thin(12, 9, &stretches, &rank, &anchors);
+            let left = thin(14, &stretches, &rank, &anchors);
             prop_assert!(anchors.iter().all(|i| left.contains(i)));
-            let count = |cells: &[usize]| pieces(12, 9, true, |i| cells.contains(&i));
+            let count = |cells: &[usize]| pieces(14, 11, true, |i| cells.contains(&i));
             prop_assert_eq!(count(&members), count(&left));
-            prop_assert_eq!(padded_holes(12, 9, &members), padded_holes(12, 9, &left));
+            let holes = |cells: &[usize]| pieces(14, 11, false, |i| !cells.contains(&i));
+            prop_assert_eq!(holes(&members), holes(&left));
         }
     }
 
     #[test]
     fn a_full_rectangle_shrinks_to_a_line_between_anchors() {
-        let rows: Vec<Range<usize>> = (0..5).map(|y| 10 * y..10 * y + 10).collect();
-        let rank: Vec<u32> = (0..50).map(|i| (i / 10).min(4 - i / 10)).collect();
-        assert_eq!(thin(10, 5, &rows, &rank, &[20, 29]), (20..30).collect::<Vec<_>>());
-        assert_eq!(thin(10, 5, &rows, &rank, &[]).len(), 1);
+        let rows: Vec<Range<usize>> = (1..6).map(|y| 12 * y + 1..12 * y + 11).collect();
+        let rank: Vec<u32> = (0..84u32).map(|i| (i / 12).min(6 - i / 12)).collect();
+        assert_eq!(thin(12, &rows, &rank, &[37, 46]), (37..47).collect::<Vec<_>>());
+        assert_eq!(thin(12, &rows, &rank, &[]).len(), 1);
     }
 }

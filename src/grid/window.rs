@@ -9,9 +9,10 @@ pub(super) struct Window<'a> {
     center: CellIndex,
     radius: f64,
     rim: f64,
-    /// The smallest part of the grid that holds the window; indices of cells are positions in it.
+    /// The smallest part of the grid that holds the window, with a frame of one cell around it, which may lie beyond the
+    /// grid; indices of cells are positions in it.
     pub(super) cut: GridInfo,
-    /// Its first cell.
+    /// Its first cell within the frame.
     pub(super) corner: CellIndex,
 }
 
@@ -23,8 +24,8 @@ impl<'a> Window<'a> {
         let corner = CellIndex { x: center.x.saturating_sub(reach), y: center.y.saturating_sub(reach) };
         let end = |at: usize, side: usize| side.min(at.saturating_add(reach).saturating_add(1));
         let cut = GridInfo {
-            width: end(center.x, info.width) - corner.x,
-            height: end(center.y, info.height) - corner.y,
+            width: end(center.x, info.width) - corner.x + 2,
+            height: end(center.y, info.height) - corner.y + 2,
             ..*info
         };
         Window { info, center, radius, rim, cut, corner }
@@ -49,33 +50,85 @@ impl<'a> Window<'a> {
     /// Where in the cut out part a cell is, if it is there.
     pub(super) fn place(&self, at: CellIndex) -> Option<usize> {
         let (x, y) = (at.x.checked_sub(self.corner.x)?, at.y.checked_sub(self.corner.y)?);
-        (x < self.cut.width && y < self.cut.height).then_some(y * self.cut.width + x)
+        (x + 2 < self.cut.width && y + 2 < self.cut.height).then_some((y + 1) * self.cut.width + x + 1)
     }
 
     /// The inverse of `place`.
     pub(super) fn cell(&self, place: usize) -> CellIndex {
         let at = self.cut.index(place);
-        CellIndex { x: at.x + self.corner.x, y: at.y + self.corner.y }
+        CellIndex { x: at.x + self.corner.x - 1, y: at.y + self.corner.y - 1 }
     }
 
-    /// Positions in a row of the cut out part, given by its first cell, that are in the window.
-    pub(super) fn stretch(&self, first: usize) -> Range<usize> {
-        let row = self.cell(first);
-        let middle = self.center.x - self.corner.x;
-        let in_disc = |dx: usize| self.contains(CellIndex { x: self.center.x + dx, ..row });
+    /// Rows of the cut out part within the frame.
+    pub(super) fn rows(&self) -> Range<usize> {
+        1..self.cut.height - 1
+    }
+
+    /// Those of the rows that some between two heights in cells are among.
+    pub(super) fn rows_between(&self, low: f64, high: f64) -> Range<usize> {
+        let rows = self.rows();
+        // Casts saturate: what lies beyond the window is cut off.
+        let row = |y: f64| (y.max(0.0) as usize).saturating_add(1).saturating_sub(self.corner.y);
+        row(low).max(rows.start)..row(high.ceil()).min(rows.end)
+    }
+
+    /// The cells of a row that are in the window and between two abscissas in cells: their columns in the grid, and their
+    /// positions.
+    pub(super) fn columns_between(
+        &self,
+        row: usize,
+        left: f64,
+        right: f64,
+    ) -> impl Iterator<Item = (usize, usize)> {
+        let (stretch, first, corner) = (self.stretch(row), row * self.cut.width + 1, self.corner.x);
+        let place = |x: f64| first + (x.max(0.0) as usize).saturating_sub(corner).min(self.cut.width);
+        let places = place(left).max(stretch.start)..place(right.ceil()).min(stretch.end);
+        places.map(move |place| (place - first + corner, place))
+    }
+
+    /// The row of the grid that a row of the cut out part is.
+    pub(super) fn y(&self, row: usize) -> usize {
+        row + self.corner.y - 1
+    }
+
+    /// Positions in one of the rows that are in the window.
+    pub(super) fn stretch(&self, row: usize) -> Range<usize> {
+        self.disc(row, self.radius)
+    }
+
+    /// Those of them that are not on the rim.
+    pub(super) fn inner_stretch(&self, row: usize) -> Range<usize> {
+        // The nearest cells that are as far from the edge of the grid as the rim is deep.
+        let depth = self.rim.ceil() as usize;
+        let (y, first) = (self.y(row), row * self.cut.width + 1);
+        if y < depth || y.saturating_add(depth) >= self.info.height {
+            return first..first;
+        }
+        let disc = self.disc(row, (self.radius - self.rim).max(0.0));
+        let place = |x: usize| first + x.saturating_sub(self.corner.x);
+        let start = disc.start.max(place(depth));
+        start..disc.end.min(place(self.info.width.saturating_sub(depth))).max(start)
+    }
+
+    /// Positions in one of the rows that are in a disc around the middle of the window.
+    fn disc(&self, row: usize, radius: f64) -> Range<usize> {
+        let (y, first) = (self.y(row), row * self.cut.width + 1);
+        let most = radius * radius;
+        let in_disc = |dx: usize| self.squared_offset(CellIndex { x: self.center.x + dx, y }) <= most;
         if !in_disc(0) {
             return first..first;
         }
-        let across = row.y.abs_diff(self.center.y) as f64;
-        let mut half = (self.radius * self.radius - across * across).max(0.0).sqrt() as usize;
+        let across = y.abs_diff(self.center.y) as f64;
+        let mut half = ((most - across * across).max(0.0).sqrt() as usize).min(self.cut.width);
         // The root is rounded.
         while half > 0 && !in_disc(half) {
             half -= 1;
         }
-        while in_disc(half + 1) {
+        while half < self.cut.width && in_disc(half + 1) {
             half += 1;
         }
-        first + middle.saturating_sub(half)..first + (middle + half + 1).min(self.cut.width)
+        let middle = self.center.x - self.corner.x;
+        first + middle.saturating_sub(half)..first + (middle + half + 1).min(self.cut.width - 2)
     }
 }
 
@@ -87,15 +140,19 @@ mod tests {
     proptest! {
         #[test]
         fn the_stretches_of_a_window_are_its_cells(
-            (width, height) in (1usize..30, 1usize..30), (x, y) in (0usize..1000, 0usize..1000), radius in 0.0..40.0f64,
+            (width, height) in (1usize..30, 1usize..30), (x, y) in (0usize..1000, 0usize..1000),
+            radius in prop_oneof![0.0..40.0f64, Just(1e30)], rim in 0.0..12.0f64,
         ) {
             let info = GridInfo { resolution: 1.0, width, height, origin: crate::geometry::Pose::IDENTITY };
-            let window = Window::new(&info, CellIndex { x: x % width, y: y % height }, radius, 1.0);
-            let cut = window.cut;
-            let rows = (0..cut.height).flat_map(|y| window.stretch(y * cut.width));
+            let window = Window::new(&info, CellIndex { x: x % width, y: y % height }, radius, rim);
+            let rows = window.rows().flat_map(|row| window.stretch(row));
             let found: Vec<CellIndex> = rows.map(|place| window.cell(place)).collect();
             let all = (0..width * height).map(|i| info.index(i));
-            prop_assert_eq!(found, all.filter(|&at| window.contains(at)).collect::<Vec<_>>());
+            prop_assert_eq!(found, all.clone().filter(|&at| window.contains(at)).collect::<Vec<_>>());
+            let rows = window.rows().flat_map(|row| window.inner_stretch(row));
+            let inner: Vec<CellIndex> = rows.map(|place| window.cell(place)).collect();
+            let settled = all.filter(|&at| window.contains(at) && !window.on_rim(at));
+            prop_assert_eq!(inner, settled.collect::<Vec<_>>());
             for at in (0..width * height).map(|i| info.index(i)) {
                 prop_assert!(window.place(at).is_none_or(|place| window.cell(place) == at));
                 prop_assert!(window.place(at).is_some() || !window.contains(at));

@@ -11,6 +11,7 @@ use crate::sensor::LaserScan;
 use crate::sensor::surface::{Surface, surfaces};
 use crate::sensor::walls::Walls;
 use nalgebra::{Matrix3, Vector3};
+use std::f64::consts::PI;
 
 /// What is known of robot and sensor. One set of defaults serves all logs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,11 +75,18 @@ const BEAMS_ALIKE: f64 = 5.0;
 /// loops are closed, errors are that large (root mean square): 3 degrees and 0.3 m after 20 m.
 const BENT: [f64; 3] = [0.05, 0.02, 0.012];
 
+/// No robot drives so many metres from one scan to the next at so many metres a second: its odometry was set anew, or a
+/// log goes on elsewhere. Such a step tells nothing.
+const LEAP: f64 = 2.0;
+const FASTEST: f64 = 5.0;
+/// How uncertain the robot's pose is after a leap, ahead, aside, in heading: anywhere in the building.
+const LEAPT: [f64; 3] = [20.0, 20.0, PI];
+
 /// A pose among the walls nearby.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalPose {
-    /// The robot's pose, in a frame that is the odometry's at the first scan and drifts away from it, slower than
-    /// odometry does.
+    /// The robot's pose, in a frame that begins where the robot is at the first scan, so that nothing depends on where and
+    /// how the frame of the odometry lies.
     pub local_from_robot: Pose,
     /// The covariance of the motion since the scan before, x, y, heading in the robot's frame.
     pub drift: Matrix3<f64>,
@@ -99,6 +107,7 @@ pub struct ScanMatcher {
 /// The last scan used.
 #[derive(Clone, Copy, Debug)]
 struct Match {
+    stamp: f64,
     odom_from_robot: Pose,
     local_from_robot: Pose,
     /// How uncertain that pose is among the walls remembered.
@@ -118,26 +127,31 @@ impl ScanMatcher {
     pub fn add(&mut self, scan: &LaserScan) -> LocalPose {
         let odom = scan.odom_from_robot;
         let Some(last) = self.last else {
-            let nothing = Matrix3::zeros();
+            let (start, nothing) = (Pose::IDENTITY, Matrix3::zeros());
             self.last = Some(Match {
+                stamp: scan.stamp,
                 odom_from_robot: odom,
-                local_from_robot: odom,
+                local_from_robot: start,
                 covariance: nothing,
                 information: nothing,
             });
-            self.remember(&surfaces(scan, self.parameters.max_range), &odom);
-            return LocalPose { local_from_robot: odom, drift: nothing, used: true };
+            self.remember(&surfaces(scan, self.parameters.max_range), &start);
+            return LocalPose { local_from_robot: start, drift: nothing, used: true };
         };
         let motion = last.odom_from_robot.inverse().compose(&odom);
+        let leap = is_leap(&motion, scan.stamp - last.stamp);
+        let motion = if leap { Pose::IDENTITY } else { motion };
         let expected = last.local_from_robot.compose(&motion);
-        if motion.x.hypot(motion.y) < self.parameters.step && motion.theta.abs() < self.parameters.turn {
+        let still =
+            motion.x.hypot(motion.y) < self.parameters.step && motion.theta.abs() < self.parameters.turn;
+        if still && !leap {
             return LocalPose { local_from_robot: expected, drift: Matrix3::zeros(), used: false };
         }
         self.walls.drive(motion.x.hypot(motion.y));
         let seen = surfaces(scan, self.parameters.max_range);
-        let noise = self.noise(&motion);
+        let noise = if leap { squares(LEAPT) } else { self.noise(&motion) };
         let prior = carried(&last, &expected) + in_local(&noise, &expected);
-        let found = self.lay(&seen, &expected, &prior, odom);
+        let found = self.lay(scan, &seen, &expected, &prior);
         self.remember(&seen, &found.local_from_robot);
         self.last = Some(found);
         LocalPose {
@@ -160,7 +174,7 @@ impl ScanMatcher {
 
     /// Gauss and Newton: the pose at which walls and odometry agree best, walls that do not fit counting less
     /// (Cauchy's weights).
-    fn lay(&self, seen: &[Surface], expected: &Pose, prior: &Matrix3<f64>, odom: Pose) -> Match {
+    fn lay(&self, scan: &LaserScan, seen: &[Surface], expected: &Pose, prior: &Matrix3<f64>) -> Match {
         let trust = prior.try_inverse().unwrap_or_else(Matrix3::zeros);
         let mut pose = *expected;
         let mut information = Matrix3::zeros();
@@ -181,7 +195,8 @@ impl ScanMatcher {
             }
         }
         let covariance = (trust + information).try_inverse().unwrap_or(*prior);
-        Match { odom_from_robot: odom, local_from_robot: pose, covariance, information }
+        let LaserScan { stamp, odom_from_robot, .. } = *scan;
+        Match { stamp, odom_from_robot, local_from_robot: pose, covariance, information }
     }
 
     /// What the walls say of a pose: information and gradient.
@@ -216,6 +231,12 @@ impl ScanMatcher {
     }
 }
 
+fn is_leap(motion: &Pose, seconds: f64) -> bool {
+    let length = motion.x.hypot(motion.y);
+    // Stamps may repeat or go back.
+    length > LEAP && length > FASTEST * seconds.abs()
+}
+
 /// The uncertainty of the last pose as it is felt at the next.
 fn carried(last: &Match, next: &Pose) -> Matrix3<f64> {
     let step = next.position() - last.local_from_robot.position();
@@ -242,6 +263,103 @@ fn drift(found: &Match, noise: &Matrix3<f64>, motion: &Pose) -> Matrix3<f64> {
     let walls = turned.transpose() * found.information * turned / (BEAMS_ALIKE * share.max(1e-6));
     let odometry = noise.try_inverse().unwrap_or_else(Matrix3::zeros);
     let length = motion.x.hypot(motion.y);
-    let bent = Matrix3::from_diagonal(&Vector3::from(BENT.map(|bent| bent * bent * length)));
-    (odometry + walls).try_inverse().unwrap_or(*noise) + bent
+    (odometry + walls).try_inverse().unwrap_or(*noise) + squares(BENT) * length
+}
+
+fn squares(deviations: [f64; 3]) -> Matrix3<f64> {
+    Matrix3::from_diagonal(&Vector3::from(deviations.map(|deviation| deviation * deviation)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Point;
+    use crate::sensor::log::LaserNumber;
+
+    /// What a robot sees in a room of 6 x 4 m that has its middle at (1, 0.5).
+    fn scan(stamp: f64, room_from_robot: &Pose, odom_from_robot: Pose) -> LaserScan {
+        let ray = |k: usize| {
+            let angle = room_from_robot.theta + (k as f64).to_radians();
+            let to = |at: f64, along: f64, low: f64, high: f64| {
+                if along == 0.0 {
+                    f64::INFINITY
+                } else {
+                    ((if along > 0.0 { high } else { low }) - at) / along
+                }
+            };
+            let across = to(room_from_robot.x, angle.cos(), -2.0, 4.0);
+            Some(across.min(to(room_from_robot.y, angle.sin(), -1.5, 2.5)))
+        };
+        LaserScan {
+            laser: LaserNumber::FRONT,
+            stamp,
+            odom_from_robot,
+            robot_from_laser: Pose::IDENTITY,
+            start_angle: 0.0,
+            angle_increment: 1.0_f64.to_radians(),
+            ranges: (0..360).map(ray).collect(),
+        }
+    }
+
+    /// The way of the robot in the room, and what odometry makes of it: two thirds of a degree off in a metre.
+    fn way() -> Vec<(Pose, Pose)> {
+        let step = |k: usize| Pose::new(0.1, 0.0, if k % 30 < 15 { 0.1 } else { -0.08 });
+        let mut at = (Pose::IDENTITY, Pose::IDENTITY);
+        let mut way = vec![at];
+        for k in 0..60 {
+            let (motion, bent) = (step(k), Pose::new(0.1, 0.0, step(k).theta + 0.0012));
+            at = (at.0.compose(&motion), at.1.compose(&bent));
+            way.push(at);
+        }
+        way
+    }
+
+    fn matched(odom_from_start: impl Fn(usize) -> Pose) -> Vec<(Pose, LocalPose)> {
+        let mut matcher = ScanMatcher::new(MatchingParameters::default());
+        let seen = way().into_iter().enumerate().map(|(k, (room, odom))| {
+            let odom = odom_from_start(k).compose(&odom);
+            (room, matcher.add(&scan(k as f64 * 0.2, &room, odom)))
+        });
+        seen.collect()
+    }
+
+    fn off(matched: &[(Pose, LocalPose)]) -> f64 {
+        let away = |(room, found): &(Pose, LocalPose)| -> f64 {
+            let Point { coords } = found.local_from_robot.position();
+            (coords - room.position().coords).norm()
+        };
+        matched.iter().map(away).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn poses_do_not_depend_on_where_the_frame_of_the_odometry_lies() {
+        let plain = matched(|_| Pose::IDENTITY);
+        assert!(off(&plain) < 0.03, "{}", off(&plain));
+        for start in [Pose::new(0.013, -0.4, 1.0), Pose::new(1e6, -2e6, 2.5)] {
+            for ((_, a), (_, b)) in plain.iter().zip(matched(|_| start)) {
+                assert!((a.local_from_robot.position() - b.local_from_robot.position()).norm() < 1e-5);
+                assert!((a.drift - b.drift).norm() < 1e-5);
+            }
+        }
+    }
+
+    #[test]
+    fn odometry_that_is_set_anew_does_not_carry_the_robot_off() {
+        let leapt = matched(|k| if k < 30 { Pose::IDENTITY } else { Pose::new(-50.0, 20.0, 0.0) });
+        assert!(off(&leapt) < 0.15, "{}", off(&leapt));
+    }
+
+    #[test]
+    fn a_leap_among_no_walls_says_nothing_of_where_the_robot_went() {
+        let mut matcher = ScanMatcher::new(MatchingParameters::default());
+        let blind = |stamp: f64, x: f64| LaserScan {
+            ranges: vec![None; 360],
+            ..scan(stamp, &Pose::IDENTITY, Pose::new(x, 0.0, 0.0))
+        };
+        matcher.add(&blind(0.0, 0.0));
+        let slow = matcher.add(&blind(10.0, 3.0));
+        assert!(slow.local_from_robot.x == 3.0 && slow.drift[(0, 0)] < 1.0);
+        let leapt = matcher.add(&blind(10.2, 43.0));
+        assert!(leapt.local_from_robot.x == 3.0 && leapt.drift[(0, 0)] >= 400.0);
+    }
 }

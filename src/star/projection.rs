@@ -29,7 +29,9 @@ pub(super) fn project(
     let mut end = gateway.center;
     let mut widest: f64 = 0.0;
     let mut stopped = false;
-    while let Some(cell) = info.cell_at(&end) {
+    // No way across the grid has more steps.
+    for _ in 0..2 * (info.width + info.height) {
+        let Some(cell) = info.cell_at(&end) else { break };
         if grid.cell(cell) != Cell::Free {
             stopped = true;
             break;

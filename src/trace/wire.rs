@@ -11,7 +11,7 @@ use crate::trace::event::{
 };
 use crate::trace::event_error::EventError;
 use crate::trace::object;
-use crate::trace::wire_grid::WireLpm;
+use crate::trace::wire_grid::{WireLpm, check_points};
 use crate::trace::wire_star::WireStar;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -254,7 +254,7 @@ impl WireEvent {
                     "belongs to a star; for an lpm it follows from robot_pose, leave it out",
                 ));
             }
-            (None, Some(lpm)) => Percept::Lpm(lpm.lpm(robot_pose.unwrap_or(Pose::IDENTITY))?),
+            (None, Some(lpm)) => Percept::Lpm(lpm.lpm(robot_pose.unwrap_or(Pose::IDENTITY), "/lpm")?),
             (Some(_), Some(_)) => {
                 return Err(EventError::new("/lpm", "stands beside a star, expected one of the two"));
             }
@@ -307,11 +307,13 @@ impl WireEvent {
                 "stands without the odometry it belongs to; add odometry or leave it out",
             ));
         }
+        let shape = self.shape.unwrap_or_default();
+        check_points(shape.len(), "/shape")?;
         Ok(Travel {
             odometry: self.odometry.map(WirePose::pose),
             covariance,
             from_pose: self.from_pose.map(WirePose::pose),
-            shape: self.shape.unwrap_or_default(),
+            shape,
         })
     }
 

@@ -1,7 +1,7 @@
 //! The JSON form of a grid: ROS `info` and cells as a list, as base64 bytes or as a base64 PNG.
 
 use crate::geometry::{Point, Pose};
-use crate::grid::{Cell, GridInfo, OccupancyGrid};
+use crate::grid::{Cell, GridError, GridInfo, OccupancyGrid};
 use crate::lpm::Lpm;
 use crate::trace::event_error::EventError;
 use crate::trace::object;
@@ -12,6 +12,8 @@ use utoipa::ToSchema;
 
 /// The most cells a side of a posted grid may have.
 pub const MAX_POSTED_SIDE: u64 = 2048;
+/// The most points a posted trail or the shape of a travel may have: six kilometres in steps of 10 cm.
+pub const MAX_POSTED_POINTS: usize = 65_536;
 
 /// A local perceptual model. Row 0 is the bottom row, x is fastest; -1 unknown, 0 free, 100 occupied.
 #[derive(Clone, Debug, Serialize, Deserialize, ToSchema)]
@@ -116,10 +118,11 @@ pub struct WireQuaternion {
 
 impl WireLpm {
     /// The grid with the robot's pose in it.
-    pub fn lpm(self, robot_pose: Pose) -> Result<Lpm, EventError> {
+    pub fn lpm(self, robot_pose: Pose, at: &str) -> Result<Lpm, EventError> {
+        check_points(self.trail.len(), &format!("{at}/trail"))?;
         let trail = self.trail.iter().map(|&[x, y]| Point::new(x, y)).collect();
         let middle = self.middle.map(|[x, y]| Point::new(x, y));
-        Ok(Lpm { grid: self.grid("/lpm")?, robot_pose, trail, middle })
+        Ok(Lpm { grid: self.grid(at)?, robot_pose, trail, middle })
     }
 
     /// The grid; errors point below `at`.
@@ -172,6 +175,16 @@ impl WireLpm {
     }
 }
 
+/// Refuses more points of a way than are taken.
+pub(super) fn check_points(points: usize, at: &str) -> Result<(), EventError> {
+    let many = || {
+        format!(
+            "has {points} points, expected up to {MAX_POSTED_POINTS}; leave out those that are near others"
+        )
+    };
+    if points > MAX_POSTED_POINTS { Err(EventError::new(at, many())) } else { Ok(()) }
+}
+
 impl WireGridInfo {
     fn grid_info(&self, at: &str) -> Result<GridInfo, EventError> {
         for (name, side) in [("width", self.width), ("height", self.height)] {
@@ -182,19 +195,18 @@ impl WireGridInfo {
                 ));
             }
         }
-        if !(self.resolution.is_finite() && self.resolution > 0.0) {
-            return Err(EventError::new(
-                format!("{at}/info/resolution"),
-                "is not above 0, expected metres per cell",
-            ));
-        }
         let origin = self.origin.pose().map_err(|m| EventError::new(format!("{at}/info/origin"), m))?;
-        Ok(GridInfo {
+        let info = GridInfo {
             resolution: self.resolution,
             width: self.width as usize,
             height: self.height as usize,
             origin,
-        })
+        };
+        OccupancyGrid::check(&info).map_err(|error| {
+            let field = if error == GridError::Origin { "origin" } else { "resolution" };
+            EventError::new(format!("{at}/info/{field}"), error.to_string())
+        })?;
+        Ok(info)
     }
 }
 

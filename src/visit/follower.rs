@@ -13,8 +13,11 @@ pub(super) struct Follower {
     matcher: ScanMatcher,
     evidence: EvidenceGrid,
     moments: Vec<Moment>,
+    /// Whether the last moment is of a robot that has not moved since the one before.
+    standing: bool,
     scans: usize,
     side: f64,
+    memory: f64,
 }
 
 /// The grid follows the robot in steps of so many metres.
@@ -36,8 +39,10 @@ impl Follower {
             matcher: ScanMatcher::new(parameters.matching),
             evidence: EvidenceGrid::new(info, parameters.matching.memory, parameters.evidence),
             moments: Vec::new(),
+            standing: false,
             scans: 0,
             side,
+            memory: parameters.matching.memory,
         })
     }
 
@@ -66,6 +71,11 @@ impl Follower {
         let driven = self.moments.last().map_or(0.0, |last| last.driven + step(last));
         let moment = Moment { scan: self.scans, local_from_robot, drift, driven };
         self.scans += 1;
+        // Of a robot that stands the first moment and the last say all.
+        if self.standing && !pose.used {
+            self.moments.pop();
+        }
+        self.standing = !pose.used;
         self.moments.push(moment);
         moment
     }
@@ -96,9 +106,13 @@ impl Follower {
         Some(Lpm { grid, robot_pose, trail: self.trail(middle), middle: Some(Point::origin()) })
     }
 
-    /// Where the robot has been within the LPM around a point, in the LPM's frame.
+    /// Where the robot has been within the LPM around a point, in the LPM's frame, as long ago as walls are remembered:
+    /// longer ago it was not where it now seems to have been.
     fn trail(&self, middle: &Point) -> Vec<Point> {
-        let positions = self.moments.iter().map(|moment| moment.local_from_robot.position() - middle.coords);
+        let now = self.moments.last().map_or(0.0, |last| last.driven);
+        let from = self.moments.partition_point(|moment| moment.driven + self.memory < now);
+        let positions = self.moments[from..].iter();
+        let positions = positions.map(|moment| moment.local_from_robot.position() - middle.coords);
         let mut trail: Vec<Point> = Vec::new();
         for at in positions.filter(|at| at.coords.amax() <= self.side / 2.0) {
             if trail.last().is_none_or(|last| (at - last).norm() >= TRAIL) {
@@ -106,5 +120,51 @@ impl Follower {
             }
         }
         trail
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sensor::log::LaserNumber;
+    use nalgebra::Matrix3;
+
+    fn scan() -> LaserScan {
+        LaserScan {
+            laser: LaserNumber::FRONT,
+            stamp: 0.0,
+            odom_from_robot: Pose::IDENTITY,
+            robot_from_laser: Pose::IDENTITY,
+            start_angle: 0.0,
+            angle_increment: 0.1,
+            ranges: vec![Some(2.0); 3],
+        }
+    }
+
+    fn at(x: f64, used: bool) -> LocalPose {
+        LocalPose { local_from_robot: Pose::new(x, 0.0, 0.0), drift: Matrix3::zeros(), used }
+    }
+
+    #[test]
+    fn a_robot_that_stands_is_remembered_by_its_first_and_last_moment() {
+        let mut follower = Follower::new(&VisitParameters::default()).unwrap();
+        follower.add_placed(&scan(), &at(0.0, true));
+        (0..1000).for_each(|_| drop(follower.add_placed(&scan(), &at(0.01, false))));
+        follower.add_placed(&scan(), &at(0.1, true));
+        let scans: Vec<usize> = follower.moments().iter().map(|moment| moment.scan).collect();
+        assert_eq!(scans, [0, 1000, 1001]);
+    }
+
+    #[test]
+    fn a_trail_is_forgotten_with_the_walls_along_it() {
+        let parameters = VisitParameters::default();
+        let mut follower = Follower::new(&parameters).unwrap();
+        // To and fro: it is always near.
+        let ways = (0..400).map(|k| f64::from(if k / 10 % 2 == 0 { k % 10 } else { 10 - k % 10 }) / 2.0);
+        ways.for_each(|x| drop(follower.add_placed(&scan(), &at(x, true))));
+        let lpm = follower.lpm(&Point::origin(), &Pose::IDENTITY).unwrap();
+        let length: f64 = lpm.trail.windows(2).map(|leg| (leg[1] - leg[0]).norm()).sum();
+        let memory = parameters.matching.memory;
+        assert!((memory - 1.0..=memory).contains(&length), "{length}");
     }
 }

@@ -15,9 +15,10 @@ pub struct Timetable {
 impl Timetable {
     /// Adds the next visit.
     pub fn add(&mut self, Stage { way, visit }: &Stage) {
-        let known = self.driven.len();
-        // Ways overlap where a visit took the place of another.
-        self.driven.extend(way.iter().filter(|moment| moment.scan >= known).map(|moment| moment.driven));
+        // Ways overlap where a visit took the place of another, and a robot that stands leaves out scans.
+        for moment in way.iter().filter(|moment| moment.scan >= self.driven.len()).collect::<Vec<_>>() {
+            self.driven.resize(moment.scan + 1, moment.driven);
+        }
         self.stays.push([visit.arrival.driven, visit.departure.driven]);
     }
 
