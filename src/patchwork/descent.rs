@@ -18,6 +18,8 @@ pub(super) struct Descent<'a> {
     pub(super) nodes: &'a [u32],
     pub(super) system: &'a mut System<3>,
     pub(super) options: &'a RelaxOptions,
+    /// Asked before each step.
+    pub(super) interrupted: &'a dyn Fn() -> bool,
 }
 
 /// Where a descent ended.
@@ -74,6 +76,10 @@ impl Descent<'_> {
         }
         let mut damping = Damping(0.0);
         while at.costs.len() <= self.options.max_iterations {
+            if (self.interrupted)() {
+                at.outcome = Outcome::Interrupted;
+                break;
+            }
             if let Some(outcome) = self.advance(&mut at, &mut damping) {
                 at.outcome = outcome;
                 break;

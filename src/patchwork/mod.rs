@@ -34,11 +34,12 @@ mod structure;
 pub mod submap;
 pub mod survey;
 mod system;
+pub mod ties;
 
 pub use graph::{Edge, GraphError, MAX_POSES, PoseGraph, PoseId};
 pub use growing::{Patchwork, Update};
 pub use loss::Loss;
-pub use relax::{Outcome, Part, RelaxOptions, Relaxation, Relaxer, Start, Trial, relax};
+pub use relax::{Outcome, Part, RelaxOptions, Relaxation, Relaxer, Start, Trial, relax, relax_until};
 pub use strain::Strain;
 
 /// Why a graph cannot be relaxed at all.

@@ -1,6 +1,7 @@
 //! What the service lets one client, and all of them, use.
 
 use crate::trace::ndjson::MAX_LINE;
+use std::time::Duration;
 
 /// Bounds, so that nothing grows without one. Every refusal names its bound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +19,10 @@ pub struct Limits {
     /// The most partial explanations that a search for the simplest candidates alone looks at, on a walk of
     /// [`Limits::SHORT`] observations or fewer; see [`Limits::steps`].
     pub steps_per_map: u64,
+    /// Cells of a grid that is answered with.
+    pub cells_per_answer: usize,
+    /// How long the relaxation of a candidate and the making of its grid may take.
+    pub patchwork_time: Duration,
     /// Bytes of a configuration.
     pub config_bytes: usize,
     /// Bytes of a JSON body of events. An NDJSON body is bounded by its lines only.
@@ -50,6 +55,8 @@ impl Default for Limits {
             candidates_per_map: 20_000,
             memory_per_map: 256 * 1024 * 1024,
             steps_per_map: 100_000,
+            cells_per_answer: 8 * 1024 * 1024,
+            patchwork_time: Duration::from_secs(20),
             config_bytes: 64 * 1024,
             json_bytes: 64 * 1024 * 1024,
             line_bytes: MAX_LINE as usize,

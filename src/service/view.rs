@@ -1,8 +1,10 @@
 //! What readers see of a map: a snapshot that no running search holds up.
 
 use crate::abduction::{Abduction, Report};
+use crate::export::Ties;
+use crate::patchwork::survey::Survey;
 use crate::service::{MapConfig, Session};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A map after some of its events.
 #[derive(Clone, Debug)]
@@ -15,6 +17,19 @@ pub struct View {
     pub abduction: Abduction,
     /// What it has found.
     pub report: Arc<Report>,
+    /// What the events tell the patchwork.
+    pub survey: Arc<Survey>,
+    /// The same report once the simplest maps are in order.
+    ranked: Arc<OnceLock<Ranked>>,
+}
+
+/// What was found, the simplest maps in the order of their strain where that can be told.
+#[derive(Clone, Debug)]
+pub struct Ranked {
+    /// What was found. Its first simplest map is the preferred one.
+    pub report: Report,
+    /// What told the simplest maps apart, where there are several and travels were measured.
+    pub ties: Option<Ties>,
 }
 
 impl View {
@@ -27,13 +42,31 @@ impl View {
     pub fn next(&self, session: &Session) -> View {
         let (now, shown) = (session.abduction(), &self.abduction);
         if now.observations() == shown.observations() && now.word() == shown.word() {
-            return View::with_report(session, Arc::clone(&self.report));
+            let (report, ranked) = (Arc::clone(&self.report), Arc::clone(&self.ranked));
+            return View { ranked, ..View::with_report(session, report) };
         }
         View::of(session)
     }
 
+    /// What was found, with the simplest maps in order. The first to ask relaxes those that tie, a bounded number
+    /// ([`crate::patchwork::ties`]): belongs to a worker.
+    pub fn ranked(&self) -> &Ranked {
+        self.ranked.get_or_init(|| {
+            let mut report = Report::clone(&self.report);
+            // Measurements that cannot be relaxed do not tell the maps apart.
+            let ties = Ties::rank(&mut report, &self.survey, &|| false).ok().flatten();
+            Ranked { report, ties }
+        })
+    }
+
     fn with_report(session: &Session, report: Arc<Report>) -> View {
-        let (config, next_seq) = (session.config(), session.next_seq());
-        View { config, next_seq, abduction: session.abduction().for_readers(), report }
+        View {
+            config: session.config(),
+            next_seq: session.next_seq(),
+            abduction: session.abduction().for_readers(),
+            report,
+            survey: Arc::clone(session.survey()),
+            ranked: Arc::default(),
+        }
     }
 }

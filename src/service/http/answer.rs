@@ -1,4 +1,4 @@
-//! Answers to reads: JSON with a strong ETag.
+//! Answers to reads: with a strong ETag, mostly JSON.
 
 use crate::service::problem::{Problem, ProblemKind};
 use axum::http::{HeaderMap, StatusCode, header};
@@ -6,8 +6,9 @@ use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use std::hash::{DefaultHasher, Hasher};
 
-/// Bytes of JSON and their tag.
+/// Bytes of some media type and their tag.
 pub(super) struct Representation {
+    kind: &'static str,
     bytes: Vec<u8>,
     tag: String,
 }
@@ -18,10 +19,15 @@ impl Representation {
         let bytes = serde_json::to_vec(value).map_err(|error| {
             Problem::new(ProblemKind::Internal, format!("the answer is not JSON: {error}"))
         })?;
+        Ok(Representation::of_bytes("application/json", bytes))
+    }
+
+    /// Bytes of a media type.
+    pub(super) fn of_bytes(kind: &'static str, bytes: Vec<u8>) -> Representation {
         let mut hasher = DefaultHasher::new();
         hasher.write(&bytes);
         let tag = format!("\"{:016x}\"", hasher.finish());
-        Ok(Representation { bytes, tag })
+        Representation { kind, bytes, tag }
     }
 
     /// The answer: not modified, if the client has these bytes.
@@ -30,7 +36,7 @@ impl Representation {
         if self.is_known(request) {
             return (StatusCode::NOT_MODIFIED, tag).into_response();
         }
-        (tag, [(header::CONTENT_TYPE, "application/json")], self.bytes).into_response()
+        (tag, [(header::CONTENT_TYPE, self.kind)], self.bytes).into_response()
     }
 
     fn is_known(&self, request: &HeaderMap) -> bool {
