@@ -15,7 +15,7 @@ pub struct Ties {
     /// What orders `minimal`, whose first is the preferred one.
     pub ordered_by: TieOrder,
     /// The strain of each map in `minimal`, in its order; null for those that were not relaxed, as only the first 16 are, or
-    /// fewer on walks of more than 256 observations.
+    /// fewer on walks of more than 64 observations.
     pub strains: Vec<Option<TieStrain>>,
 }
 

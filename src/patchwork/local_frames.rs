@@ -7,7 +7,6 @@ use crate::patchwork::agreement::Neighbourhood;
 use crate::patchwork::alignment::Alignment;
 use crate::patchwork::assembly::Closure;
 use crate::patchwork::drive::turned;
-use crate::patchwork::parts::parts;
 use crate::patchwork::{
     Edge, GraphError, Outcome, PoseGraph, PoseId, RelaxError, RelaxOptions, Strain, relax_until,
 };
@@ -165,7 +164,7 @@ impl LocalFrames {
             strains: strains.collect(),
             strain: Strain { chi_square: relaxed.objective, degrees_of_freedom: relaxed.degrees_of_freedom },
             outcome: relaxed.outcome,
-            parts: parts(&graph).into_iter().map(|part| part as usize).collect(),
+            parts: graph.parts(),
             poses: relaxed.poses,
             closures,
         })

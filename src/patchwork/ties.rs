@@ -8,7 +8,7 @@ use crate::patchwork::{Outcome, Strain};
 /// How many candidates are relaxed at most, the first of them.
 pub const MOST_TIES: usize = 16;
 /// How many visits of theirs at most, all in all: what a tie-break may cost.
-pub const MOST_VISITS: usize = 4096;
+pub const MOST_VISITS: usize = 1024;
 
 /// Candidates that are equally simple, and what strains them.
 #[derive(Clone, Debug, PartialEq)]

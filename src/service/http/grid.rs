@@ -11,6 +11,13 @@ use crate::service::{Maps, View};
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, header};
 use axum::response::Response;
+use utoipa::ToSchema;
+
+/// The bytes of a picture.
+#[derive(ToSchema)]
+#[schema(value_type = String, format = Binary)]
+#[expect(dead_code, reason = "only its schema is used")]
+struct Picture(Vec<u8>);
 
 /// Read all that was seen as one occupancy grid.
 ///
@@ -30,8 +37,8 @@ use axum::response::Response;
         (status = 200, description = "The grid",
             content(
                 (GridDocument = "application/json"),
-                (Vec<u8> = "image/png"),
-                (Vec<u8> = "image/x-portable-graymap"),
+                (Picture = "image/png"),
+                (Picture = "image/x-portable-graymap"),
             ),
             headers(("ETag" = String, description = "Changes with the answer"))),
         (status = 304, description = "The answer has not changed"),

@@ -5,10 +5,10 @@
 //! factorisation. Where no length pays, or the equations are singular, the diagonal is raised (Levenberg 1944,
 //! Marquardt 1963). A step that would raise the cost is never taken.
 
-use crate::patchwork::problem::{Problem, State};
-use crate::patchwork::relax::{Outcome, RelaxOptions};
-use crate::patchwork::structure::{NOWHERE, Structure};
-use crate::patchwork::system::System;
+use crate::patchwork::pose_graph::problem::{Problem, State};
+use crate::patchwork::pose_graph::relax::{Outcome, RelaxOptions};
+use crate::patchwork::pose_graph::structure::{NOWHERE, Structure};
+use crate::patchwork::pose_graph::system::System;
 
 /// What a descent goes by.
 pub(super) struct Descent<'a> {

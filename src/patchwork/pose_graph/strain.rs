@@ -1,7 +1,7 @@
 //! Strain: how far each edge is from what was measured, in units of its uncertainty.
 
 use crate::geometry::{Jacobian, Pose};
-use crate::patchwork::graph::{Edge, PoseGraph};
+use crate::patchwork::pose_graph::graph::{Edge, PoseGraph};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::PI;
 
@@ -125,7 +125,7 @@ pub(super) fn rank(information: &Matrix3<f64>) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::patchwork::graph::PoseId;
+    use crate::patchwork::pose_graph::graph::PoseId;
     use proptest::prelude::*;
 
     fn edge(x: f64, y: f64, theta: f64) -> Edge {

@@ -1,17 +1,17 @@
 //! Relaxation: the poses of least strain, by Gauss and Newton's method with damping.
 
 use crate::geometry::Pose;
-use crate::patchwork::RelaxError;
-use crate::patchwork::descent::{Descended, Descent};
-use crate::patchwork::graph::{PoseGraph, PoseId};
-use crate::patchwork::loss::Loss;
-use crate::patchwork::parts::{anchors, completed, parts};
-use crate::patchwork::problem::{Problem, State};
-use crate::patchwork::singular::{free_nodes, is_sound, shift};
-use crate::patchwork::start::rotation_first;
-use crate::patchwork::strain::rank;
-use crate::patchwork::structure::{NOWHERE, Structure};
-use crate::patchwork::system::System;
+use crate::patchwork::pose_graph::RelaxError;
+use crate::patchwork::pose_graph::descent::{Descended, Descent};
+use crate::patchwork::pose_graph::graph::{PoseGraph, PoseId};
+use crate::patchwork::pose_graph::loss::Loss;
+use crate::patchwork::pose_graph::parts::{anchors, completed, parts};
+use crate::patchwork::pose_graph::problem::{Problem, State};
+use crate::patchwork::pose_graph::singular::{free_nodes, is_sound, shift};
+use crate::patchwork::pose_graph::start::rotation_first;
+use crate::patchwork::pose_graph::strain::rank;
+use crate::patchwork::pose_graph::structure::{NOWHERE, Structure};
+use crate::patchwork::pose_graph::system::System;
 use nalgebra::Matrix3;
 
 /// How to relax.
