@@ -119,28 +119,21 @@ impl Map {
         let Explained { events, session, fault } = self.search(input, axioms, strategy)?;
         let (mut report, survey) = (session.abduction().report(), session.survey());
         let broken = |error: LocalFramesError| Failure::Broken(error.to_string());
-        let ties = Ties::rank(&mut report, survey, &|| false).map_err(broken)?;
+        let mut agreements = survey.agreements();
+        let ties = Ties::rank(&mut report, survey, &mut agreements, &|| false).map_err(broken)?;
         let mut wire = export::Report::new(&report);
         wire.ties = ties;
         wire.explain = self.reasons(session.abduction(), &report)?.map(Box::new);
         wire.truth = self.compared(&timetable, &session, wire.preferred.as_ref())?.map(Box::new);
         let preferred = report.minimal.first();
-        let patchwork = preferred.map(|map| patchwork(survey, &map.visits, &way)).transpose()?.flatten();
+        let patchwork =
+            preferred.map(|map| patchwork(survey, &mut agreements, &map.visits, &way)).transpose()?.flatten();
         wire.strain = patchwork.as_ref().map(|patchwork| Box::new(patchwork.strain.clone()));
         wire.poses = self.pose_errors(&track, patchwork.as_ref())?.map(Box::new);
         let stopped = stopped(&session, &events, limits())?;
         wire.standstill = stopped.as_ref().map(|stopped| Box::new(stopped.why.clone()));
         wire.seconds = Some(started.elapsed().as_secs_f64());
-        if self.json {
-            writeln!(stdout(), "{}", json(&wire)?)?;
-        } else {
-            write!(stdout(), "{}", in_words(&report, &wire))?;
-            write!(stdout(), "{}{}", reasons_in_words(&wire), truth_in_words(&wire))?;
-            write!(stdout(), "{}", wire.poses.as_deref().map(poses_in_words).unwrap_or_default())?;
-            if let Some(Stopped { why, before }) = &stopped {
-                write!(stdout(), "{}\n{}", standstill_text(why), before_in_words(before))?;
-            }
-        }
+        self.print(&report, &wire, stopped.as_ref())?;
         if let Some(folder) = &self.output {
             let mut files = files(&events, &report, &wire, stopped.as_ref())?;
             if let Some(patchwork) = &patchwork {
@@ -149,6 +142,24 @@ impl Map {
             written(folder, files)?;
         }
         fault.map_or_else(|| verdict(&report), Err)
+    }
+
+    fn print(
+        &self,
+        report: &Report,
+        wire: &export::Report,
+        stopped: Option<&Stopped>,
+    ) -> Result<(), Failure> {
+        if self.json {
+            return Ok(writeln!(stdout(), "{}", json(wire)?)?);
+        }
+        write!(stdout(), "{}", in_words(report, wire))?;
+        write!(stdout(), "{}{}", reasons_in_words(wire), truth_in_words(wire))?;
+        write!(stdout(), "{}", wire.poses.as_deref().map(poses_in_words).unwrap_or_default())?;
+        if let Some(Stopped { why, before }) = stopped {
+            write!(stdout(), "{}\n{}", standstill_text(why), before_in_words(before))?;
+        }
+        Ok(())
     }
 
     /// What the options ask for, which must go with the trace.

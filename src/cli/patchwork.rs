@@ -9,7 +9,7 @@ use crate::grid::OccupancyGrid;
 use crate::grid::occupancy::MAX_SIDE;
 use crate::patchwork::assembly::{RelaxedDrive, Stop};
 use crate::patchwork::format::{write_g2o, write_trajectory};
-use crate::patchwork::local_frames::{LocalFrames, graph};
+use crate::patchwork::local_frames::{Agreements, LocalFrames, graph};
 use crate::patchwork::merged::{Canvas, MergeError};
 use crate::patchwork::survey::Survey;
 
@@ -37,13 +37,14 @@ pub(super) struct Trajectories {
 /// The patchwork of a candidate; nothing where no travel was measured.
 pub(super) fn patchwork<'a>(
     survey: &'a Survey,
+    agreements: &mut Agreements<'_>,
     candidate: &[Assignment],
     way: &'a Way,
 ) -> Result<Option<Patchwork<'a>>, Failure> {
     if !survey.is_measured() {
         return Ok(None);
     }
-    let frames = survey.relax(candidate, &mut survey.agreements(), &|| false).map_err(broken)?;
+    let frames = survey.relax(candidate, agreements, &|| false).map_err(broken)?;
     let strain = MapStrain::of(&frames);
     if way.drive.frames().is_empty() {
         return Ok(Some(Patchwork { strain, trajectories: None, survey, way, frames, driven: Vec::new() }));

@@ -2,7 +2,7 @@
 
 use crate::abduction;
 use crate::patchwork::Strain;
-use crate::patchwork::local_frames::LocalFramesError;
+use crate::patchwork::local_frames::{Agreements, LocalFramesError};
 use crate::patchwork::survey::Survey;
 use crate::patchwork::ties;
 use serde::{Deserialize, Serialize};
@@ -15,7 +15,7 @@ pub struct Ties {
     /// What orders `minimal`, whose first is the preferred one.
     pub ordered_by: TieOrder,
     /// The strain of each map in `minimal`, in its order; null for those that were not relaxed, as only the first 16 are, or
-    /// fewer on walks of more than 64 observations.
+    /// fewer on walks of more than 32 observations.
     pub strains: Vec<Option<TieStrain>>,
 }
 
@@ -46,13 +46,14 @@ impl Ties {
     pub fn rank(
         found: &mut abduction::Report,
         survey: &Survey,
+        agreements: &mut Agreements<'_>,
         interrupted: &dyn Fn() -> bool,
     ) -> Result<Option<Ties>, LocalFramesError> {
         if found.minimal.len() < 2 || !survey.is_measured() {
             return Ok(None);
         }
         let tied: Vec<_> = found.minimal.iter().map(|candidate| candidate.visits.as_slice()).collect();
-        let ties = ties::Ties::of(survey, &tied, interrupted)?;
+        let ties = ties::Ties::of(survey, agreements, &tied, interrupted)?;
         found.minimal = ties.order.iter().map(|&at| found.minimal[at].clone()).collect();
         Ok(Some(Ties {
             ordered_by: if ties.by_strain { TieOrder::Strain } else { TieOrder::Assignment },

@@ -23,13 +23,43 @@ pub struct Agreements<'a> {
     shown: BTreeMap<usize, Option<Neighbourhood>>,
     /// Standard deviations of the middle of a place, metres, and of a bearing, radians, as found on one visit.
     sigmas: [f64; 2],
-    known: BTreeMap<(usize, usize, u8), Option<Alignment>>,
+    known: Known,
+}
+
+/// What pairs of visits show of each other, where that was asked before. It stays so however the trace goes on.
+#[derive(Clone, Debug, Default)]
+pub struct Known(BTreeMap<(usize, usize, u8), Option<Alignment>>);
+
+impl Known {
+    /// How many pairs are remembered at most: half a megabyte.
+    pub const MOST: usize = 4096;
+
+    /// Remembers more pairs, as many as there is room for.
+    pub fn extend(&mut self, more: Known) {
+        for (pair, alignment) in more.0 {
+            if self.0.len() >= Known::MOST {
+                return;
+            }
+            self.0.entry(pair).or_insert(alignment);
+        }
+    }
 }
 
 impl<'a> Agreements<'a> {
     /// Of visits, each of which is asked what it shows when a pair first needs it.
     pub fn new(show: impl Fn(usize) -> Option<Neighbourhood> + 'a, sigmas: [f64; 2]) -> Self {
-        Agreements { show: Box::new(show), shown: BTreeMap::new(), sigmas, known: BTreeMap::new() }
+        Agreements { show: Box::new(show), shown: BTreeMap::new(), sigmas, known: Known::default() }
+    }
+
+    /// The same, some pairs of which are known.
+    #[must_use]
+    pub fn knowing(self, known: Known) -> Self {
+        Agreements { known, ..self }
+    }
+
+    /// The pairs that are known by now.
+    pub fn into_known(self) -> Known {
+        self.known
     }
 
     /// The closures of a candidate: each visit to a known place, with the first visit there. `interrupted` is asked
@@ -57,7 +87,7 @@ impl<'a> Agreements<'a> {
     }
 
     fn between(&mut self, first: usize, later: usize, rotation: u8) -> Option<Alignment> {
-        if let Some(known) = self.known.get(&(first, later, rotation)) {
+        if let Some(known) = self.known.0.get(&(first, later, rotation)) {
             return *known;
         }
         for visit in [first, later] {
@@ -66,7 +96,7 @@ impl<'a> Agreements<'a> {
         let [one, other] = [first, later].map(|visit| self.shown.get(&visit).and_then(Option::as_ref));
         let found =
             one.zip(other).and_then(|(one, other)| one.agreement(other, usize::from(rotation), self.sigmas));
-        self.known.insert((first, later, rotation), found);
+        self.known.0.insert((first, later, rotation), found);
         found
     }
 }
@@ -262,6 +292,18 @@ mod tests {
             prop_assert!(off(&relaxed.poses) < 0.1 && off(&open.poses) > 0.5, "{} {}", off(&relaxed.poses), off(&open.poses));
             prop_assert!(relaxed.strain.chi_square > open.strain.chi_square);
         }
+    }
+
+    #[test]
+    fn what_is_known_of_pairs_is_not_looked_for_again() {
+        let (_, _, mut agreements) = walked(&[(0.1, 0.0, 0.3); 8]);
+        let found = agreements.closures(&assigned(8), &|| false).unwrap();
+        let mut known = Known::default();
+        known.extend(agreements.into_known());
+        let blind = |_| panic!("it is known");
+        let again =
+            Agreements::new(blind, [0.25, 0.05]).knowing(known).closures(&assigned(8), &|| false).unwrap();
+        assert_eq!((found.len(), &found), (4, &again));
     }
 
     #[test]

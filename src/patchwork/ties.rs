@@ -1,14 +1,14 @@
 //! Which of several candidates that are equally simple strains its measurements least.
 
 use crate::abduction::Assignment;
-use crate::patchwork::local_frames::{LocalFrames, LocalFramesError};
+use crate::patchwork::local_frames::{Agreements, LocalFrames, LocalFramesError};
 use crate::patchwork::survey::Survey;
 use crate::patchwork::{Outcome, Strain};
 
 /// How many candidates are relaxed at most, the first of them.
 pub const MOST_TIES: usize = 16;
 /// How many visits of theirs at most, all in all: what a tie-break may cost.
-pub const MOST_VISITS: usize = 1024;
+pub const MOST_VISITS: usize = 512;
 
 /// Candidates that are equally simple, and what strains them.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,18 +23,18 @@ pub struct Ties {
 }
 
 impl Ties {
-    /// Relaxes the first of some candidates, as many as is affordable. Strain is compared by its probability
+    /// Relaxes the first of some candidates, as many as is affordable; `agreements` are those of the survey. Strain is compared by its probability
     /// ([`Strain::log_probability`]); equal ones stay in the order given.
     pub fn of(
         survey: &Survey,
+        agreements: &mut Agreements<'_>,
         tied: &[&[Assignment]],
         interrupted: &dyn Fn() -> bool,
     ) -> Result<Ties, LocalFramesError> {
-        let mut agreements = survey.agreements();
         let affordable = MOST_TIES.min(MOST_VISITS / survey.len().max(1));
         let mut strains = vec![None; tied.len()];
         for (strain, candidate) in strains.iter_mut().zip(tied).take(affordable) {
-            *strain = settled(&survey.relax(candidate, &mut agreements, interrupted)?);
+            *strain = settled(&survey.relax(candidate, agreements, interrupted)?);
         }
         Ok(Ties::by(strains))
     }

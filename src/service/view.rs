@@ -1,10 +1,11 @@
 //! What readers see of a map: a snapshot that no running search holds up.
 
-use crate::abduction::{Abduction, Report};
+use crate::abduction::{Abduction, Assignment, Report};
 use crate::export::Ties;
+use crate::patchwork::local_frames::{Agreements, Known, LocalFrames, LocalFramesError};
 use crate::patchwork::survey::Survey;
 use crate::service::{MapConfig, Session};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// A map after some of its events.
 #[derive(Clone, Debug)]
@@ -21,6 +22,9 @@ pub struct View {
     pub survey: Arc<Survey>,
     /// The same report once the simplest maps are in order.
     ranked: Arc<OnceLock<Ranked>>,
+    /// What visits show of each other, as far as it was asked of this view or another of the map: most of the work, and the
+    /// same however the map grows.
+    known: Arc<Mutex<Known>>,
 }
 
 /// What was found, the simplest maps in the order of their strain where that can be told.
@@ -43,9 +47,33 @@ impl View {
         let (now, shown) = (session.abduction(), &self.abduction);
         if now.observations() == shown.observations() && now.word() == shown.word() {
             let (report, ranked) = (Arc::clone(&self.report), Arc::clone(&self.ranked));
-            return View { ranked, ..View::with_report(session, report) };
+            let known = Arc::clone(&self.known);
+            return View { ranked, known, ..View::with_report(session, report) };
         }
-        View::of(session)
+        View { known: Arc::clone(&self.known), ..View::of(session) }
+    }
+
+    /// Relaxes a candidate of the map. Stops where `interrupted` says so, and the next to ask finds what was done by then.
+    pub fn relax(
+        &self,
+        candidate: &[Assignment],
+        interrupted: &dyn Fn() -> bool,
+    ) -> Result<LocalFrames, LocalFramesError> {
+        self.agreeing(|agreements| self.survey.relax(candidate, agreements, interrupted))
+    }
+
+    /// Does something that asks what visits show of each other, and remembers what they do.
+    fn agreeing<T>(&self, something: impl FnOnce(&mut Agreements<'_>) -> T) -> T {
+        let known = self.known().clone();
+        let mut agreements = self.survey.agreements().knowing(known);
+        let done = something(&mut agreements);
+        self.known().extend(agreements.into_known());
+        done
+    }
+
+    /// What is remembered is added pair by pair, each of which is right whatever became of the others.
+    fn known(&self) -> MutexGuard<'_, Known> {
+        self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// What was found, with the simplest maps in order. The first to ask relaxes those that tie, a bounded number
@@ -54,7 +82,10 @@ impl View {
         self.ranked.get_or_init(|| {
             let mut report = Report::clone(&self.report);
             // Measurements that cannot be relaxed do not tell the maps apart.
-            let ties = Ties::rank(&mut report, &self.survey, &|| false).ok().flatten();
+            let rank = |agreements: &mut Agreements<'_>| {
+                Ties::rank(&mut report, &self.survey, agreements, &|| false)
+            };
+            let ties = self.agreeing(rank).ok().flatten();
             Ranked { report, ties }
         })
     }
@@ -67,6 +98,7 @@ impl View {
             report,
             survey: Arc::clone(session.survey()),
             ranked: Arc::default(),
+            known: Arc::default(),
         }
     }
 }

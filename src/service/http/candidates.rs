@@ -163,7 +163,7 @@ pub(super) async fn get_graph(
         if !relaxed {
             return Representation::of(&graph);
         }
-        let frames = view.survey.relax(&candidate.visits, &mut view.survey.agreements(), interrupted)?;
+        let frames = view.relax(&candidate.visits, interrupted)?;
         Representation::of(&graph.with_frames(&candidate, &frames))
     };
     let found = match relaxed {

@@ -81,7 +81,7 @@ fn grid(
     if survey.len() > 1 && !survey.is_measured() {
         return Err(missing("no travel of the map was measured, expected `odometry` with `covariance`"));
     }
-    let frames = survey.relax(&candidate.visits, &mut survey.agreements(), interrupted)?;
+    let frames = view.relax(&candidate.visits, interrupted)?;
     let grid = survey.grid(&frames, canvas, interrupted)?;
     grid.ok_or_else(|| missing("nothing is known in the grids that hang together with the first observation"))
 }
