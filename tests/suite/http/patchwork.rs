@@ -219,6 +219,37 @@ async fn what_was_not_measured_is_named() {
     assert!(problem["detail"].as_str().unwrap().contains("`covariance`"), "{problem}");
 }
 
+/// Beyond a travel that was not measured nothing tells where places lie, until what was measured later joins them.
+#[tokio::test]
+async fn what_nothing_joins_to_the_first_observation_is_left_out() {
+    let client = Client::new();
+    let mut events: Vec<Value> =
+        ndjson(&office()).lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let seen = |event: &Value| event["kind"] == "observation";
+    let ends: Vec<usize> = (0..events.len()).filter(|&at| seen(&events[at])).collect();
+    let travel = (ends[1]..ends[2]).find(|&at| events[at]["kind"] == "travel").unwrap();
+    events[travel].as_object_mut().unwrap().remove("covariance");
+    let mut grids = Vec::new();
+    for (map, last, parts) in [
+        ("two", 1, vec![0, 0]),
+        ("three", 2, vec![0, 0, 2]),
+        ("eight", 7, vec![0, 0, 2, 2, 2, 2, 2, 2]),
+        ("nine", 8, vec![0; 9]),
+    ] {
+        client.put(map, r#"{"profile":"paper"}"#).await;
+        let lines: Vec<String> = events[..=ends[last]].iter().map(Value::to_string).collect();
+        assert_eq!(client.post(map, NDJSON, lines.join("\n")).await.status, 200);
+        let candidate = format!("/v1/maps/{map}/candidates/preferred");
+        assert_eq!(
+            client.get(&format!("{candidate}/graph")).await.json()["poses"]["parts"],
+            json!(parts),
+            "{map}"
+        );
+        grids.push(client.get(&format!("{candidate}/grid?resolution=0.1&format=pgm")).await.body);
+    }
+    assert!(grids[0] == grids[1] && grids[0] == grids[2] && grids[0].len() < grids[3].len());
+}
+
 #[tokio::test]
 async fn a_grid_too_large_says_what_would_fit() {
     let client = with_office(Limits { cells_per_answer: 20_000, ..Limits::default() }, "").await;
