@@ -1,14 +1,16 @@
 //! The measured axioms against their slow reference, and what they must and must not refute.
 
+use crate::clingo::on_random;
 use crate::engine::{names, stories};
 use crate::measured_reference::{LAWS, Told, decided};
 use crate::reference::Story;
 use proptest::prelude::*;
+use std::cell::Cell;
 use topostar::abduction::{
     Abduction, Assignment, AxiomId, AxiomSet, Limits, Profile, Proposed, REGISTRY, Visit, judge, proposed,
 };
 use topostar::map::PlaceId;
-use topostar::metric::{Measurements, MetricParameters};
+use topostar::metric::Measurements;
 use topostar::trace::{Event, Experience, Sighting, write_trace};
 use topostar::worlds::{Drift, corridor_grid, covering_walk, drifting_trace};
 
@@ -55,12 +57,12 @@ fn every_measured_axiom_has_one_reference() {
     assert!(names(AxiomSet::of(Profile::Default)).len() < AxiomSet::of(Profile::Default).iter().count());
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig { cases: 32, failure_persistence: None, ..ProptestConfig::default() })]
-
-    /// With a measured axiom, exactly those candidates are left that there are without it and that obey it.
-    #[test]
-    fn measured_axioms_refute_exactly_what_breaks_them(seen in walks()) {
+/// With a measured axiom, exactly those candidates are left that there are without it and that obey it. Hardly any is on
+/// the brink, so that it is not compared.
+#[test]
+fn measured_axioms_refute_exactly_what_breaks_them() {
+    let (compared, on_the_brink) = (Cell::new(0), Cell::new(0));
+    on_random(32, walks(), |seen| {
         let symbols = AxiomSet::of(Profile::Default).without_measured();
         let mut few = seen.len();
         while few > 1 && explain(&seen[..few], symbols).len() > 30 {
@@ -73,10 +75,21 @@ proptest! {
             prop_assert!(found.iter().all(|story| all.contains(story)));
             for story in &all {
                 let expected = decided(*law, seen, story);
-                prop_assert!(expected.is_none_or(|kept| kept == found.contains(story)), "{} {story:?}", id.name());
+                prop_assert!(
+                    expected.is_none_or(|kept| kept == found.contains(story)),
+                    "{} {story:?}",
+                    id.name()
+                );
+                compared.set(compared.get() + 1);
+                on_the_brink.set(on_the_brink.get() + u32::from(expected.is_none()));
             }
         }
-    }
+        Ok(())
+    });
+    assert!(
+        compared.get() > 200 && 10 * on_the_brink.get() < compared.get(),
+        "{on_the_brink:?} of {compared:?}"
+    );
 }
 
 proptest! {
@@ -121,7 +134,7 @@ fn the_profile_of_chi_square_refutes_what_its_reference_refutes() {
                 }
                 let visits = candidate.visits.iter().chain([&assignment]);
                 let story: Story = visits.map(|at| (at.place.index(), at.rotation as usize)).collect();
-                let told = Told { seen, story: &story, bounds: MetricParameters::default() };
+                let told = Told::new(seen, &story);
                 let broken = LAWS.iter().find(|(_, law)| !law(&told)).map(|(id, _)| *id);
                 assert_eq!(found, broken, "{seed} {story:?}");
                 refuted += usize::from(found == Some(AxiomId::Apart));

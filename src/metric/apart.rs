@@ -15,7 +15,9 @@
 use crate::abduction::Outcome;
 use crate::metric::breach::Breach;
 use crate::metric::frames::Story;
-use crate::metric::layout::{Layout, Span, in_every};
+use crate::metric::layout::{Layout, Span};
+use crate::metric::share::{SHARES, in_every};
+use crate::metric::uncertainty::Uncertainty;
 
 /// Two visits to different places that share one spot, whatever share of errors explains the loops.
 pub(super) fn breach(story: &Story<'_>) -> Option<Breach> {
@@ -23,18 +25,36 @@ pub(super) fn breach(story: &Story<'_>) -> Option<Breach> {
     story.stays[latest].travelled?.leg?;
     let separation = separation(story);
     let breaches = in_every(|share| {
-        let after;
-        let layout = match story.outcome {
-            Outcome::NewPlace => story.before(share)?,
-            _ => {
-                after = story.after(share)?;
-                &after
-            }
+        let spot = |layout: &Layout| match layout.agrees() {
+            true => spot(story, layout, separation).map(Some),
+            // A share under which the loops do not close is none that odometry has.
+            false => Some(None),
         };
-        // A share under which the loops do not close is none that odometry has.
-        if layout.agrees() { spot(story, layout, separation).map(Some) } else { Some(None) }
+        judged(story, share, spot)?
     })?;
     breaches.into_iter().flatten().next()
+}
+
+/// As [`crate::metric::Measurements::to_part`].
+pub(super) fn to_part(
+    story: &Story<'_>,
+    span: Span,
+    distance: f64,
+    gate: f64,
+) -> [Option<f64>; SHARES.len()] {
+    let rim = |layout: &Layout| {
+        let known = layout.agrees() && layout.joins(span);
+        if known { layout.to_rim(span, distance, gate) } else { None }
+    };
+    std::array::from_fn(|share| judged(story, share, rim)?)
+}
+
+/// What is made of the layout that a proposal is judged in: by the loop that the latest travel closes too, if it does.
+fn judged<T>(story: &Story<'_>, share: usize, make: impl Fn(&Layout) -> T) -> Option<T> {
+    match story.outcome {
+        Outcome::NewPlace => story.before(share).map(make),
+        _ => story.after(share).map(|layout| make(&layout)),
+    }
 }
 
 /// Two visits that share one spot in a layout.
@@ -51,18 +71,22 @@ fn spot(story: &Story<'_>, layout: &Layout, separation: f64) -> Option<Breach> {
         if off.norm() >= separation {
             continue;
         }
-        let uncertainty = layout.between(span, gate.sqrt())?;
-        let at_most = uncertainty.at_most(&off, gate.sqrt());
+        let known = Uncertainty { covariance: layout.between(span)?, slack: 0.0 };
+        let first = known.at_most(&off, gate.sqrt());
+        if first >= separation {
+            continue;
+        }
+        let at_most = first + layout.slack(span, gate.sqrt());
         if at_most < separation {
             return Some(Breach::Spot { span, at_most, separation });
         }
-        let first = at_most - uncertainty.slack;
         if nearest.is_none_or(|(least, _)| first < least) {
             nearest = Some((first, span));
         }
     }
-    let (at_most, span) = nearest.filter(|(at_most, _)| *at_most < separation)?;
-    layout.within(span, separation, gate).then_some(Breach::Spot { span, at_most, separation })
+    let (_, span) = nearest?;
+    let chi_square = layout.to_rim(span, separation, gate)?;
+    Some(Breach::Rim { span, chi_square, gate, separation })
 }
 
 /// How far apart two different places are at least.

@@ -22,6 +22,8 @@ pub(super) enum Breach {
     Loops { chi_square: f64, gate: f64, degrees: usize, span: Span },
     /// The spots of two places.
     Spot { span: Span, at_most: f64, separation: f64 },
+    /// The same, by what it takes to have them apart.
+    Rim { span: Span, chi_square: f64, gate: f64, separation: f64 },
 }
 
 /// An interval of length, and the visit that the travel measured led to.
@@ -89,18 +91,29 @@ impl Breach {
             }
             Breach::Spot { span, at_most, separation } => {
                 let words = format!(
-                    "by all travels and the loops they closed, the robot stood at place {} on observation {} at most \
-                     {at_most:.2} m from where it stood at place {} on observation {}; two places are at least \
-                     {separation:.2} m apart",
-                    story.place(span.to),
-                    span.to,
-                    story.place(span.from),
-                    span.from,
+                    "by all travels and the loops they closed, the robot stood at {} at most {at_most:.2} m from \
+                     where it stood at {}; two places are at least {separation:.2} m apart",
+                    stood(story, span.to),
+                    stood(story, span.from),
+                );
+                over(story, *span, words)
+            }
+            Breach::Rim { span, chi_square, gate, separation } => {
+                let words = format!(
+                    "all travels and the loops they closed put the robot at {} nearer to where it stood at {} than \
+                     the {separation:.2} m that two places are apart at least: to have them apart takes chi-square \
+                     {chi_square:.1} more at least, gate {gate:.1}",
+                    stood(story, span.to),
+                    stood(story, span.from),
                 );
                 over(story, *span, words)
             }
         }
     }
+}
+
+fn stood(story: &Story<'_>, visit: usize) -> String {
+    format!("place {} on observation {visit}", story.place(visit))
 }
 
 impl Length {

@@ -10,7 +10,8 @@
 use crate::abduction::Outcome;
 use crate::metric::breach::Breach;
 use crate::metric::frames::Story;
-use crate::metric::layout::{Layout, Loop, closed, in_every};
+use crate::metric::layout::{Layout, Loop, closed};
+use crate::metric::share::in_every;
 use crate::metric::uncertainty::quantile;
 use nalgebra::Vector2;
 

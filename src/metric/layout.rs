@@ -1,12 +1,6 @@
 //! All visits laid out at once: what every loop closed so far says of where they lie and of how odometry drifts.
 //!
-//! The error of a travel has two parts: one of its own, and `L b`, where `L L'` is what odometry has in the covariance
-//! `C` of the travel and `b`, one number for each of three causes (`metric::uncertainty`) with variance one, is the same
-//! on all travels. For length and drift aside either part is as large as the covariance allows both together. For
-//! heading, which leaves most, the share that is the same is in one of a few ranges ([`Share`]), and what is refuted is
-//! refuted under each. In the order of covariances a range bounds every mixture whose shares lie in it and stay; and
-//! so does whatever is linear in errors, predictions from loops closed before among them.
-//!
+//! The errors of travels are those of [`crate::metric::share`], each with a part of its own and one that is the same on all.
 //! A loop joins a visit to the first one to the same place. That it closes is a condition on errors: least squares
 //! under conditions (Gauss), linearised where the errors were last thought to be, until they stay. In world
 //! coordinates the error of a travel is a twist at the origin, `A e`, and what it does to a pose at `q` is
@@ -21,7 +15,8 @@
 use crate::geometry::{Pose, Vector, wrap_angle};
 use crate::metric::chain::link;
 use crate::metric::frames::Story;
-use crate::metric::leg::{Leg, lever, rotation};
+use crate::metric::leg::{lever, rotation};
+use crate::metric::share::{Share, Travel};
 use crate::metric::uncertainty::{TAIL, Uncertainty, exceeded, quantile};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
@@ -45,10 +40,10 @@ pub(super) struct Loop {
 /// The visits laid out.
 #[derive(Clone, Debug)]
 pub(super) struct Layout {
-    travels: Vec<Option<Travel>>,
+    pub(super) travels: Vec<Option<Travel>>,
     /// The frame of each visit, in that of the first one since the last travel that was not measured.
     pub(super) poses: Vec<Pose>,
-    loops: Vec<Loop>,
+    pub(super) loops: Vec<Loop>,
     /// The errors of the travels to the visits as estimated.
     errors: Vec<Vector3<f64>>,
     /// What an error of the travel to each visit is as a twist at the origin.
@@ -61,55 +56,7 @@ pub(super) struct Layout {
     root: DMatrix<f64>,
     whitened: DVector<f64>,
     /// The covariances of loops and headings in its units, a column a visit.
-    headings: DMatrix<f64>,
-}
-
-/// A travel with the two parts of its error.
-#[derive(Clone, Copy, Debug)]
-struct Travel {
-    pose: Pose,
-    /// The covariance of the part of its own.
-    own: Matrix3<f64>,
-    /// What each cause of the other part does.
-    common: Matrix3<f64>,
-}
-
-/// How much of the variance of heading errors is the same on all travels: at most so much, and at most so much is not.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Share {
-    same: f64,
-    own: f64,
-}
-
-/// Ranges of shares. The second one holds all of them; the others do together, each judging less widely.
-pub(super) const SHARES: [Share; 5] = [
-    Share { same: 0.75, own: 0.5 },
-    Share { same: 1.0, own: 1.0 },
-    Share { same: 0.5, own: 0.75 },
-    Share { same: 1.0, own: 0.25 },
-    Share { same: 0.25, own: 1.0 },
-];
-/// Which of the ranges holds all.
-const ANY: usize = 1;
-
-/// What breaks an axiom whatever the share is: in the range that holds all of them, or else in each of the others.
-pub(super) fn in_every<T>(mut breach: impl FnMut(usize) -> Option<T>) -> Option<Vec<T>> {
-    let first = breach(0)?;
-    if let Some(any) = breach(ANY) {
-        return Some(vec![any]);
-    }
-    let others: Option<Vec<T>> = (ANY + 1..SHARES.len()).map(breach).collect();
-    Some([first].into_iter().chain(others?).collect())
-}
-
-impl Share {
-    fn of(self, leg: &Leg) -> Travel {
-        let heading = leg.causes.column(2);
-        let own = leg.odometry - heading * heading.transpose() * (1.0 - self.own) + leg.stay;
-        let mut common = leg.causes;
-        common.column_mut(2).scale_mut(self.same.sqrt());
-        Travel { pose: leg.pose, own, common }
-    }
+    pub(super) headings: DMatrix<f64>,
 }
 
 /// Variance of what is not known, square radians.
@@ -192,59 +139,11 @@ impl Layout {
         Some((moves * mean, Uncertainty { covariance, slack: self.slack(span, gate) }))
     }
 
-    /// The uncertainty of where a visit lies, seen from an earlier one.
-    pub(super) fn between(&self, span: Span, gate: f64) -> Option<Uncertainty> {
+    /// The covariance of where a visit lies, seen from an earlier one.
+    pub(super) fn between(&self, span: Span) -> Option<Matrix3<f64>> {
         let known = self.known(span, None)?;
         let moves = lever(&at(&self.poses[span.to]));
-        let covariance = moves * (self.shared(span, span) - known.transpose() * &known) * moves.transpose();
-        Some(Uncertainty { covariance, slack: self.slack(span, gate) })
-    }
-
-    /// What first order leaves out between two visits (Taylor), metres: the least of what it leaves out along any
-    /// chain of travels and of visits to one place (Dijkstra).
-    fn slack(&self, span: Span, gate: f64) -> f64 {
-        self.slacks(span.from, gate)[span.to]
-    }
-
-    /// What first order leaves out between a visit and each.
-    pub(super) fn slacks(&self, from: usize, gate: f64) -> Vec<f64> {
-        let swings = self.swings(from, gate);
-        let mut best = vec![f64::INFINITY; self.poses.len()];
-        let mut open: Vec<usize> = (0..best.len()).collect();
-        best[from] = 0.0;
-        while let Some(at) = open.iter().copied().min_by(|&a, &b| best[a].total_cmp(&best[b])) {
-            if best[at].is_infinite() {
-                break;
-            }
-            open.retain(|&visit| visit != at);
-            let mut reach = |to: usize, by: f64| best[to] = best[to].min(best[at] + by);
-            if let Some(swing) = swings[at] {
-                reach(at - 1, swing);
-            }
-            if let Some(Some(swing)) = swings.get(at + 1) {
-                reach(at + 1, *swing);
-            }
-            for Loop { span: Span { from, to }, .. } in &self.loops {
-                if *from == at {
-                    reach(*to, 0.0);
-                } else if *to == at {
-                    reach(*from, 0.0);
-                }
-            }
-        }
-        best
-    }
-
-    /// What first order leaves out of the travel to each visit, seen from one of them.
-    fn swings(&self, from: usize, gate: f64) -> Vec<Option<f64>> {
-        let swing = |visit: usize| {
-            let (travel, before) = (self.travels[visit].as_ref()?, visit - 1);
-            let known = self.headings.column(before) - self.headings.column(from);
-            let span = Span { from: from.min(before), to: from.max(before) };
-            let variance = (self.shared(span, span).m33 - known.norm_squared()).max(0.0);
-            Some(travel.pose.x.hypot(travel.pose.y) * gate * gate * variance / 2.0)
-        };
-        (0..self.travels.len()).map(swing).collect()
+        Some(moves * (self.shared(span, span) - known.transpose() * &known) * moves.transpose())
     }
 
     /// Lays out the visits by the errors as estimated.
@@ -300,15 +199,16 @@ impl Layout {
     /// Estimates the errors anew; the largest change.
     fn adjust(&mut self) -> Option<f64> {
         self.solve()?;
-        self.pulled(self.whitened.clone(), None)
+        self.pulled(self.whitened.clone(), None, 1.0)
     }
 
-    /// Estimates the errors by what pulls at the loops, in units of their covariance, and at one more span; the largest
-    /// change.
+    /// Moves the errors so far of the way to what they are by what pulls at the loops, in units of their covariance, and at
+    /// one more span; the largest change.
     pub(super) fn pulled(
         &mut self,
         mut pull: DVector<f64>,
         beside: Option<(Span, Vector3<f64>)>,
+        way: f64,
     ) -> Option<f64> {
         self.root.tr_solve_lower_triangular_mut(&mut pull).then_some(())?;
         let mut bias = Vector3::zeros();
@@ -325,7 +225,8 @@ impl Layout {
         for (visit, pull) in pulls.iter().enumerate().take(self.poses.len()) {
             pulled += pull;
             let Some(travel) = &self.travels[visit] else { continue };
-            let error = travel.own * (self.twists[visit].transpose() * pulled) + travel.common * bias;
+            let goal = travel.own * (self.twists[visit].transpose() * pulled) + travel.common * bias;
+            let error = goal * way + self.errors[visit] * (1.0 - way);
             change = change.max((error - self.errors[visit]).amax());
             self.errors[visit] = error;
         }

@@ -4,6 +4,7 @@ use crate::abduction::{AxiomId, Clash, Evidence, Proposal};
 use crate::geometry::Pose;
 use crate::metric::breach::Breach;
 use crate::metric::frames::Story;
+use crate::metric::layout::Span;
 use crate::metric::leg::Travelled;
 use crate::metric::{MetricParameters, angle, apart, closure, distance};
 use crate::star::SlotIndex;
@@ -82,6 +83,24 @@ impl Measurements {
     /// These measurements as evidence, if there are any.
     pub fn evidence(&self) -> Option<Arc<dyn Evidence>> {
         self.any().then(|| Arc::new(self.clone()) as Arc<dyn Evidence>)
+    }
+
+    /// Whether chi-square has to grow by more than a gate, from the least with which all loops close, for the robot to
+    /// have stood on two visits so many metres apart, if a proposal holds: the profile of the likelihood, by which
+    /// `apart` judges. One answer for each range of the share of heading errors that is the same on all travels: by how
+    /// much it grows at least, if that is more than the gate. `None` otherwise; where no likely errors close the loops;
+    /// where the way between the visits was not measured; and where it is not found out.
+    pub fn to_part(
+        &self,
+        proposal: &Proposal<'_>,
+        visits: [usize; 2],
+        distance: f64,
+        gate: f64,
+    ) -> Vec<Option<f64>> {
+        let span = Span { from: visits[0].min(visits[1]), to: visits[0].max(visits[1]) };
+        let known = proposal.branch.visits().len();
+        let Some(stays) = self.stays.get(..=known).filter(|_| span.to <= known) else { return Vec::new() };
+        apart::to_part(&Story::new(stays, proposal, &self.parameters), span, distance, gate).into()
     }
 
     /// What is made of how the proposal breaks the axiom, if it does.

@@ -27,6 +27,8 @@ mod leg;
 mod measurements;
 mod parameters;
 mod profile;
+mod remainder;
+mod share;
 mod uncertainty;
 
 pub use measurements::Measurements;

@@ -18,6 +18,10 @@ const SIDES: usize = 24;
 /// near its least chi-square hardly depends on them.
 const ROUNDS: usize = 40;
 const SETTLED: f64 = 0.01;
+/// After so many linearisations each goes half of the way.
+const CALM: f64 = 8.0;
+/// How much chi-square it is to take to first order to come to the lines looked at before a side, in gates.
+const NEARER: [f64; 2] = [1.5, 3.0];
 
 /// A line that a visit is to lie on, seen from an earlier one: the points so far in a direction of that one's frame.
 #[derive(Clone, Copy, Debug)]
@@ -27,26 +31,49 @@ struct Line {
     at: f64,
 }
 
+/// A side of the polygon, and where the visit lies towards it.
+#[derive(Clone, Copy, Debug)]
+struct Side {
+    line: Line,
+    off: f64,
+    /// Standard deviation of that.
+    sigma: f64,
+}
+
+impl Side {
+    /// How many standard deviations it is away.
+    fn sigmas(&self) -> f64 {
+        (self.line.at - self.off) / self.sigma
+    }
+}
+
 impl Layout {
-    /// Whether the later visit lies within a circle around the earlier one for all errors with which loops close and
-    /// whose chi-square is at most `gate` more than the least. Where it is not found out, it does not.
-    pub(super) fn within(&self, span: Span, radius: f64, gate: f64) -> bool {
-        let Some(uncertainty) = self.between(span, gate.sqrt()) else { return false };
+    /// Whether it takes chi-square more than the least, and more than a gate, to have all loops closed and the later
+    /// visit outside a circle around the earlier one: if it does, how much at least. `None` where it is not found out.
+    pub(super) fn to_rim(&self, span: Span, radius: f64, gate: f64) -> Option<f64> {
+        let covariance = self.between(span)?;
         let begin = &self.poses[span.from];
         let off = self.poses[span.to].position() - begin.position();
         // A polygon in the circle: what is beyond the circle is beyond one of its sides.
         let at = radius * (PI / SIDES as f64).cos();
-        let mut sides: Vec<(f64, Vector)> = (0..SIDES)
-            .map(|side| {
-                let way = direction(side as f64 / SIDES as f64 * TAU);
-                let sigma = uncertainty.along(&begin.rotate(&way)).sqrt();
-                ((at - off.dot(&begin.rotate(&way))) / sigma, way)
-            })
-            .collect();
-        // The nearest in standard deviations first.
-        sides.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let needs = |line: &Line| self.to_reach(line).is_some_and(|chi_square| chi_square > gate);
-        sides.iter().all(|&(_, direction)| needs(&Line { span, direction, at }))
+        let side = |side: usize| {
+            let direction = direction(side as f64 / SIDES as f64 * TAU);
+            let along = begin.rotate(&direction);
+            let sigma = along.dot(&(covariance.fixed_view::<2, 2>(0, 0) * along)).sqrt();
+            Side { line: Line { span, direction, at }, off: off.dot(&along), sigma }
+        };
+        let mut sides: Vec<Side> = (0..SIDES).map(side).collect();
+        sides.sort_by(|a, b| a.sigmas().total_cmp(&b.sigmas()));
+        sides.iter().try_fold(f64::INFINITY, |least, side| Some(least.min(self.beyond(side, gate)?)))
+    }
+
+    /// How much more chi-square it takes at least to come beyond a side, if that is more than the gate. What is beyond
+    /// a side is beyond every line before it, and near lines are found where those far out are not.
+    fn beyond(&self, side: &Side, gate: f64) -> Option<f64> {
+        let before = NEARER.map(|gates| side.off + (gates * gate).sqrt() * side.sigma);
+        let lines = before.into_iter().filter(|&at| at < side.line.at).chain([side.line.at]);
+        let mut takes = lines.map(|at| self.to_reach(&Line { at, ..side.line }));
+        takes.find_map(|takes| takes.filter(|&takes| takes > gate))
     }
 
     /// How much more chi-square it takes at least to put a visit on a line from this side of it, or beyond.
@@ -72,11 +99,14 @@ impl Layout {
             let pull = misses / variance;
             let (closing, _) = layout.chi_square();
             let chi_square = closing + misses * pull;
-            if (chi_square - last).abs() < SETTLED {
+            // Shorter steps end what goes to and fro between two linearisations.
+            let way = 1.0 / (1.0 + round as f64 / CALM);
+            if (chi_square - last).abs() < SETTLED * way {
                 return Some(chi_square - least);
             }
             last = chi_square;
-            layout.pulled(layout.whitened() - known * pull, Some((line.span, moves.transpose() * pull)))?;
+            let beside = (line.span, moves.transpose() * pull);
+            layout.pulled(layout.whitened() - known * pull, Some(beside), way)?;
         }
         None
     }

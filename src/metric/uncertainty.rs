@@ -35,11 +35,6 @@ impl Uncertainty {
         Some(difference.dot(&covariance.cholesky()?.solve(difference)))
     }
 
-    /// The variance of a position along a direction.
-    pub(super) fn along(&self, direction: &Vector2<f64>) -> f64 {
-        direction.dot(&(self.position() * direction))
-    }
-
     /// How far from the origin a position is at most, metres, that lies in the gate's ellipse around an estimate.
     ///
     /// By duality every `m` above the squares `s` of the ellipse's axes bounds the square of that distance, by

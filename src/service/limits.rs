@@ -19,6 +19,8 @@ pub struct Limits {
     /// The most partial explanations that a search for the simplest candidates alone looks at, on a walk of
     /// [`Limits::SHORT`] observations or fewer; see [`Limits::steps`].
     pub steps_per_map: u64,
+    /// How long that search may take for one request; the next request to the map goes on with it.
+    pub settling: Duration,
     /// Cells of a grid that is answered with.
     pub cells_per_answer: usize,
     /// How long the relaxation of a candidate and the making of its grid may take.
@@ -55,6 +57,7 @@ impl Default for Limits {
             candidates_per_map: 20_000,
             memory_per_map: 256 * 1024 * 1024,
             steps_per_map: 100_000,
+            settling: Duration::from_secs(10),
             cells_per_answer: 8 * 1024 * 1024,
             patchwork_time: Duration::from_secs(20),
             config_bytes: 64 * 1024,

@@ -6,6 +6,7 @@ use crate::service::{
 };
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
 use thiserror::Error;
 use tokio::sync::{Mutex as TurnMutex, watch};
 
@@ -112,12 +113,12 @@ impl Maps {
             None => self.replay(name)?,
         };
         let taken = Intake::take(&mut session, batch);
-        session.settle(&|| false);
+        self.settle(&mut session);
         if !taken.new.is_empty() {
             self.store.append(name, &taken.new)?;
         }
         let shown = live.view.borrow().clone();
-        if shown.next_seq != session.next_seq() {
+        if !shown.shows(&session) {
             live.view.send_replace(Arc::new(shown.next(&session)));
         }
         *place = Some(session);
@@ -137,8 +138,14 @@ impl Maps {
     fn replay(&self, name: &MapName) -> Result<Session, MapsError> {
         let stored = self.store.load(name)?.ok_or_else(|| MapsError::Unknown(name.clone()))?;
         let mut session = Session::replay(stored.config, self.limits, &stored.events)?;
-        session.settle(&|| false);
+        self.settle(&mut session);
         Ok(session)
+    }
+
+    /// No request holds a thread longer than that. What is not proven by then is said not to be.
+    fn settle(&self, session: &mut Session) {
+        let begun = Instant::now();
+        session.settle(&|| begun.elapsed() >= self.limits.settling);
     }
 
     /// Every change is one insertion, so a panic elsewhere cannot leave the maps half changed.

@@ -42,15 +42,29 @@ impl View {
         View::with_report(session, Arc::new(session.abduction().report()))
     }
 
-    /// What the session of this view shows now. Only an observation or an operator's word changes what is found.
+    /// What the session of this view shows now. Only an observation, an operator's word, or a search that went on where
+    /// it was interrupted changes what is found.
     pub fn next(&self, session: &Session) -> View {
-        let (now, shown) = (session.abduction(), &self.abduction);
-        if now.observations() == shown.observations() && now.word() == shown.word() {
-            let (report, ranked) = (Arc::clone(&self.report), Arc::clone(&self.ranked));
-            let known = Arc::clone(&self.known);
-            return View { ranked, known, ..View::with_report(session, report) };
+        let known = Arc::clone(&self.known);
+        match self.finds_what(session) {
+            true => {
+                let (report, ranked) = (Arc::clone(&self.report), Arc::clone(&self.ranked));
+                View { ranked, known, ..View::with_report(session, report) }
+            }
+            false => View { known, ..View::of(session) },
         }
-        View { known: Arc::clone(&self.known), ..View::of(session) }
+    }
+
+    /// Whether the session of this view still shows the same.
+    pub fn shows(&self, session: &Session) -> bool {
+        self.next_seq == session.next_seq() && self.finds_what(session)
+    }
+
+    fn finds_what(&self, session: &Session) -> bool {
+        let (now, shown) = (session.abduction(), &self.abduction);
+        now.observations() == shown.observations()
+            && now.word() == shown.word()
+            && now.settlement() == shown.settlement()
     }
 
     /// Relaxes a candidate of the map. Stops where `interrupted` says so, and the next to ask finds what was done by then.

@@ -4,6 +4,7 @@
 
 mod check;
 mod cli;
+mod cli_views;
 mod docs;
 mod http;
 mod layers;

@@ -1,7 +1,8 @@
 //! How simple the maps below a quotient can be at best.
 
 use super::agenda::Lists;
-use super::quotient::{Quotient, members, turned};
+use super::quotient::Quotient;
+use super::rotations::{members, turned};
 use super::walk::Walk;
 use crate::abduction::Simplicity;
 

@@ -1,6 +1,7 @@
 //! What holds of a walk before anything is decided. It grows with the walk, by a visit at a time.
 
-use super::quotient::{Quotient, members};
+use super::quotient::Quotient;
+use super::rotations::members;
 use super::walk::Walk;
 use crate::abduction::{AxiomId, AxiomSet, Refutations, Visit};
 

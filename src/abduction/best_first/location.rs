@@ -1,8 +1,9 @@
 //! What the settled places say of the classes that are open: where in the map each of them can lie.
 
 use super::faces::Faces;
-use super::quotient::{Quotient, members, turned, wrapped};
-use super::walk::{Rotations, Walk};
+use super::quotient::Quotient;
+use super::rotations::{Rotations, members, turned, wrapped};
+use super::walk::Walk;
 use crate::abduction::AxiomId;
 use std::ops::Range;
 

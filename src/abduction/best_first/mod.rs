@@ -20,6 +20,7 @@ mod ground;
 mod location;
 mod minimal;
 mod quotient;
+mod rotations;
 mod round;
 mod trailed;
 mod walk;

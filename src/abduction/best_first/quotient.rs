@@ -1,7 +1,8 @@
 //! The walk with some visits taken for one place: a quotient, closed under all that follows.
 
+use super::rotations::{Rotations, reversed, turned, wrapped};
 use super::trailed::Trailed;
-use super::walk::{Rotations, Walk};
+use super::walk::Walk;
 use crate::abduction::{AxiomId, AxiomSet};
 
 /// Classes of visits, each to be one place of the map.
@@ -421,30 +422,4 @@ fn matching(walk: &Walk, visit: usize, onto: usize) -> Rotations {
         false if matches.is_empty() => 0,
         false => Rotations::MAX,
     }
-}
-
-/// A slot or rotation below twice `size`, modulo `size`.
-pub(super) fn wrapped(slot: usize, size: usize) -> usize {
-    if slot < size { slot } else { slot - size }
-}
-
-/// Every rotation of a set further on by some slots of `size`, at most 64, and by no more than `size`.
-pub(super) fn turned(set: Rotations, by: usize, size: usize) -> Rotations {
-    let by = wrapped(by, size);
-    let all = Rotations::MAX >> (Rotations::BITS as usize - size);
-    if by == 0 { set } else { (set << by | set >> (size - by)) & all }
-}
-
-/// Every rotation of a set the other way round.
-fn reversed(set: Rotations, size: usize) -> Rotations {
-    members(set).fold(0, |reversed, rotation| reversed | 1 << wrapped(size - rotation, size))
-}
-
-/// The rotations of a set, ascending.
-pub(super) fn members(mut set: Rotations) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let first = (set != 0).then(|| set.trailing_zeros() as usize)?;
-        set &= set - 1;
-        Some(first)
-    })
 }

@@ -1,10 +1,8 @@
 //! The experience as the quotient needs it: every star in one row of dstates.
 
+use super::rotations::Rotations;
 use crate::abduction::Visit;
 use crate::star::LargeScaleStar;
-
-/// A set of rotations, one bit each. Stars of more than 64 slots have no such sets: see [`Walk::tracked`].
-pub(super) type Rotations = u64;
 
 /// A walk: the stars as observed, the gateways left by and come in by. It grows by a visit at a time.
 #[derive(Clone, Debug, Default)]

@@ -1,10 +1,23 @@
 //! Answers to reads: with a strong ETag, mostly JSON.
 
 use crate::service::problem::{Problem, ProblemKind};
+use crate::service::{MapName, Maps, View};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use std::hash::{DefaultHasher, Hasher};
+
+/// Reads something of a map as it is now, on a worker.
+pub(super) async fn read<T: Serialize>(
+    maps: &Maps,
+    name: &MapName,
+    request: &HeaderMap,
+    something: impl FnOnce(&View) -> Result<T, Problem> + Send + 'static,
+) -> Result<Response, Problem> {
+    let view = maps.view(name).await?;
+    let read = move || Representation::of(&something(&view)?);
+    Ok(maps.read(read).await??.answer(request))
+}
 
 /// Bytes of some media type and their tag.
 pub(super) struct Representation {

@@ -3,7 +3,7 @@
 use crate::abduction::Candidate;
 use crate::explanation::{Verdict, verdict};
 use crate::export::{Count, MapGraph, Preferred};
-use crate::service::http::answer::Representation;
+use crate::service::http::answer::{Representation, read};
 use crate::service::http::cursor::Cursor;
 use crate::service::http::extract::{CandidateName, CandidatePath, GraphQuery, MapPath, PageQuery};
 use crate::service::problem::{Problem, ProblemKind};
@@ -94,10 +94,11 @@ pub(super) async fn list_candidates(
     page: PageQuery,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let view = maps.view(&name).await?;
-    let start = page.cursor.map_or(Ok(0), |cursor| Cursor::start(&cursor, &view))?;
-    let read = move || Representation::of(&CandidatePage::of(&view, start, page.limit));
-    Ok(maps.read(read).await??.answer(&headers))
+    let some = move |view: &View| {
+        let start = page.cursor.map_or(Ok(0), |cursor| Cursor::start(&cursor, view))?;
+        Ok(CandidatePage::of(view, start, page.limit))
+    };
+    read(&maps, &name, &headers, some).await
 }
 
 /// Read the preferred candidate: the simplest map.
@@ -120,10 +121,8 @@ pub(super) async fn get_preferred(
     MapPath(name): MapPath,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let view = maps.view(&name).await?;
-    let read =
-        move || Representation::of(&Preferred::of(&view.ranked().report).ok_or_else(|| none_left(&view))?);
-    Ok(maps.read(read).await??.answer(&headers))
+    let preferred = |view: &View| Preferred::of(&view.ranked().report).ok_or_else(|| none_left(view));
+    read(&maps, &name, &headers, preferred).await
 }
 
 /// Read the map of a candidate as a graph.
@@ -156,21 +155,16 @@ pub(super) async fn get_graph(
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     let view = maps.view(&name).await?;
-    let relaxed = poses && view.survey.is_measured();
+    if !(poses && view.survey.is_measured()) {
+        let graph = move |view: &View| Ok(MapGraph::of(&candidate.find(view)?));
+        return read(&maps, &name, &headers, graph).await;
+    }
     let graph = move |interrupted: &dyn Fn() -> bool| {
         let candidate = candidate.find(&view)?;
-        let graph = MapGraph::of(&candidate);
-        if !relaxed {
-            return Representation::of(&graph);
-        }
         let frames = view.relax(&candidate.visits, interrupted)?;
-        Representation::of(&graph.with_frames(&candidate, &frames))
+        Representation::of(&MapGraph::of(&candidate).with_frames(&candidate, &frames))
     };
-    let found = match relaxed {
-        true => maps.lay_out(graph).await?,
-        false => maps.read(move || graph(&|| false)).await?,
-    };
-    Ok(found?.answer(&headers))
+    Ok(maps.lay_out(graph).await??.answer(&headers))
 }
 
 impl CandidateName {

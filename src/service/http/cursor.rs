@@ -37,11 +37,12 @@ impl Cursor {
     }
 }
 
-/// A number for what the candidates of a view follow from: the observations and the operator's word. Candidates of
-/// other observations, or under another word, have another.
+/// A number for what the candidates of a view follow from: the observations, the operator's word, and how far a search
+/// for the simplest ones has come. Other candidates have another.
 fn generation(view: &View) -> u64 {
     let mut hasher = DefaultHasher::new();
-    (view.abduction.observations(), view.abduction.word()).hash(&mut hasher);
+    let searched = view.abduction.settlement().map(|settlement| settlement.steps);
+    (view.abduction.observations(), view.abduction.word(), searched).hash(&mut hasher);
     hasher.finish()
 }
 

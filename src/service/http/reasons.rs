@@ -2,7 +2,7 @@
 
 use crate::explanation::{difference, node, outlook};
 use crate::export::{Difference, Explanation, Outlook, TreeExtent, TreeNode};
-use crate::service::http::answer::Representation;
+use crate::service::http::answer::read;
 use crate::service::http::candidates::{none_left, preferred};
 use crate::service::http::cursor::Cursor;
 use crate::service::http::extract::{
@@ -26,7 +26,8 @@ pub(super) struct TreePage {
 }
 
 impl TreePage {
-    fn of(view: &View, query: &TreeQuery, skip: usize) -> Result<TreePage, Problem> {
+    fn of(view: &View, query: &TreeQuery) -> Result<TreePage, Problem> {
+        let skip = query.cursor.as_ref().map_or(Ok(0), |cursor| Cursor::start(cursor, view))?;
         preferred(view)?;
         let abduction = &view.abduction;
         let Some(node) = node(abduction, query.observation, query.candidate) else {
@@ -73,10 +74,7 @@ pub(super) async fn get_tree(
     query: TreeQuery,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let view = maps.view(&name).await?;
-    let skip = query.cursor.as_ref().map_or(Ok(0), |cursor| Cursor::start(cursor, &view))?;
-    let read = move || Representation::of(&TreePage::of(&view, &query, skip)?);
-    Ok(maps.read(read).await??.answer(&headers))
+    read(&maps, &name, &headers, move |view| TreePage::of(view, &query)).await
 }
 
 /// Read why a candidate is as it is.
@@ -106,17 +104,15 @@ pub(super) async fn get_explanation(
     VisitsQuery { visits }: VisitsQuery,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let view = maps.view(&name).await?;
-    let read = move || {
-        let candidate = candidate.position(&view)?;
+    let reasons = move |view: &View| {
+        let candidate = candidate.position(view)?;
         let last = view.abduction.observations().saturating_sub(1);
-        let explanation = Explanation::of(&view.abduction, candidate, visits).ok_or_else(|| {
+        Explanation::of(&view.abduction, candidate, visits).ok_or_else(|| {
             let detail = format!("visits: expected two different observations of 0 to {last}");
             Problem::new(ProblemKind::InvalidQuery, detail)
-        })?;
-        Representation::of(&explanation)
+        })
     };
-    Ok(maps.read(read).await??.answer(&headers))
+    read(&maps, &name, &headers, reasons).await
 }
 
 /// Read what differs between two candidates.
@@ -142,13 +138,12 @@ pub(super) async fn get_difference(
     CandidatePair(name, first, second): CandidatePair,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let view = maps.view(&name).await?;
-    let read = move || {
-        let both = [first.position(&view)?, second.position(&view)?];
-        let found = difference(&view.abduction, both).ok_or_else(|| none_left(&view))?;
-        Representation::of(&Difference::of(&found, both))
+    let differs = move |view: &View| {
+        let both = [first.position(view)?, second.position(view)?];
+        let found = difference(&view.abduction, both).ok_or_else(|| none_left(view))?;
+        Ok(Difference::of(&found, both))
     };
-    Ok(maps.read(read).await??.answer(&headers))
+    read(&maps, &name, &headers, differs).await
 }
 
 /// Read where to look next.
@@ -177,10 +172,9 @@ pub(super) async fn get_next(
     NextQuery { limit }: NextQuery,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let view = maps.view(&name).await?;
-    let read = move || {
-        let found = outlook(&view.abduction, preferred(&view)?).ok_or_else(|| none_left(&view))?;
-        Representation::of(&Outlook::of(&found, limit))
+    let next = move |view: &View| {
+        let found = outlook(&view.abduction, preferred(view)?).ok_or_else(|| none_left(view))?;
+        Ok(Outlook::of(&found, limit))
     };
-    Ok(maps.read(read).await??.answer(&headers))
+    read(&maps, &name, &headers, next).await
 }

@@ -2,6 +2,11 @@
 
 use crate::http::client::{Client, JSON, NDJSON, aces_lines};
 use serde_json::{Value, json};
+use std::sync::Arc;
+use std::time::Duration;
+use topostar::abduction::{AxiomSet, Profile, Strategy};
+use topostar::service::{Limits, MapConfig, Session, View};
+use topostar::trace::read_trace;
 
 const BEST_FIRST: &str = r#"{"profile":"paper","strategy":"best-first"}"#;
 const BREADTH_FIRST: &str = r#"{"profile":"paper"}"#;
@@ -134,6 +139,40 @@ async fn memory_ends_the_search_and_says_so() {
         assert_eq!(map["candidates"]["relation"], "gte");
         assert!(map["preferred"].is_null() || map["preferred"]["proven"] == false);
     }
+}
+
+#[tokio::test]
+async fn time_ends_the_search_and_says_so() {
+    let client = Client::with_limits(Limits { settling: Duration::ZERO, ..Limits::default() });
+    client.with_aces("aces", BEST_FIRST).await;
+    let map = client.get("/v1/maps/aces").await.json();
+    assert_eq!((&map["stop_reason"], &map["complete"]), (&"interrupted".into(), &false.into()), "{map}");
+    assert_eq!(map["candidates"], json!({"value": 0, "relation": "gte"}));
+    client.with_aces("all", BREADTH_FIRST).await;
+    assert_eq!(client.get("/v1/maps/all").await.json()["complete"], true);
+}
+
+/// What a search finds after an interruption is shown, though no event has come.
+#[test]
+fn an_interrupted_search_goes_on() {
+    let config = MapConfig {
+        axioms: AxiomSet::of(Profile::Paper),
+        strategy: Strategy::BestFirst,
+        max_candidates: 100,
+        max_memory: None,
+        max_steps: None,
+    };
+    let mut session = Session::new(config, Limits::default());
+    for event in read_trace(aces_lines().join("\n").as_bytes()).0 {
+        session.accept(&Arc::new(event)).unwrap();
+    }
+    session.settle(&|| true);
+    let view = View::of(&session);
+    assert!(!view.report.proven && view.shows(&session));
+    session.settle(&|| false);
+    assert!(!view.shows(&session));
+    let view = view.next(&session);
+    assert!(view.report.proven && view.shows(&session));
 }
 
 /// A star of so many fragments, all midline but the first slot, so that it lies on itself in one way only.

@@ -1,0 +1,180 @@
+//! The profile of chi-square by which `apart` judges, against its slow reference, number by number.
+
+use crate::clingo::on_random;
+use crate::engine::story;
+use crate::layout_reference::{Estimate, SHARES};
+use crate::measured::sightings;
+use crate::measured_reference::{POLYGON, Told};
+use crate::profile_reference::{Profile as Slow, Rise};
+use crate::reference::Story;
+use proptest::prelude::*;
+use std::cell::Cell;
+use std::sync::Mutex;
+use topostar::abduction::{
+    Abduction, Assignment, AxiomId, AxiomSet, Clash, Evidence, Limits, Profile, Proposal, Visit, judge,
+};
+use topostar::map::PlaceId;
+use topostar::metric::Measurements;
+use topostar::trace::Sighting;
+use topostar::worlds::{Drift, corridor_grid, covering_walk, drifting_trace};
+
+/// A walk through a grid, what a candidate takes its visits for, two of these, and a range of shares.
+#[derive(Clone, Debug)]
+struct Case {
+    seen: Vec<Sighting>,
+    story: Story,
+    /// Which two of its visits that lie near to each other.
+    which: prop::sample::Index,
+    share: usize,
+    /// How much more chi-square the distance takes to first order.
+    about: f64,
+}
+
+/// Of all candidates at the end of a random walk, under the axioms of symbols alone or of measurements too, one. Its
+/// odometry may drift as badly as the worst, alike on all metres, or anew on each.
+fn cases() -> impl Strategy<Value = Case> {
+    let Drift { heading_bias, heading_noise, .. } = Drift::WORST;
+    let drift = prop_oneof![
+        Just(Drift::WORST),
+        Just(Drift::WORST.scaled(0.2)),
+        Just(Drift { heading_noise: 0.0, heading_bias: 2.0 * heading_bias, ..Drift::WORST }),
+        Just(Drift { heading_bias: 0.0, heading_noise: 1.5 * heading_noise, ..Drift::WORST }),
+    ];
+    let grid = (2usize..4, 2usize..5, 4.0..14.0);
+    let pick = (any::<[prop::sample::Index; 2]>(), 0..SHARES.len(), 3.0..60.0);
+    (any::<u64>(), grid, drift, 4usize..18, any::<bool>(), pick).prop_map(
+        |(seed, (rows, columns, spacing), drift, travels, measured, ([story, which], share, about))| {
+            let places = corridor_grid(rows, columns, spacing);
+            let mut walk = covering_walk(&places, seed);
+            walk.leave.truncate(travels);
+            let mut seen = sightings(&drifting_trace(&places, &walk, drift, seed).unwrap().events);
+            let motions = seen.iter_mut().filter_map(|sighting| sighting.motion.as_mut());
+            motions.for_each(|motion| motion.start_given = seed % 3 != 0);
+            let default = AxiomSet::of(Profile::Default);
+            let axioms = if measured { default } else { default.without_measured() };
+            let story = candidate(&seen, axioms, story);
+            seen.truncate(story.len());
+            Case { seen, story, which, share, about }
+        },
+    )
+}
+
+/// How near to each other two visits lie of which it is asked, metres.
+const NEAR: f64 = 5.0;
+
+/// One of the candidates at the end of a walk, of which a search keeps no more than a hundred.
+fn candidate(seen: &[Sighting], axioms: AxiomSet, which: prop::sample::Index) -> Story {
+    let mut measured = Measurements::default();
+    let mut found = Abduction::new(axioms, Limits { max_candidates: Some(100), ..Limits::default() });
+    for sighting in seen {
+        measured = measured.with(sighting);
+        found.observe_measured(&Visit::from(sighting), measured.evidence()).unwrap();
+    }
+    let candidates: Vec<Story> = found.candidates().map(|candidate| story(&candidate)).collect();
+    match candidates.is_empty() {
+        true => candidate(&seen[..seen.len() - 1], axioms, which),
+        false => candidates[which.index(candidates.len())].clone(),
+    }
+}
+
+/// What measurements say of two visits when it comes to the last observation of a story.
+#[derive(Debug)]
+struct Asking {
+    measured: Measurements,
+    visits: [usize; 2],
+    distance: f64,
+    gate: f64,
+    last: usize,
+    answer: Mutex<Vec<Option<f64>>>,
+}
+
+impl Evidence for Asking {
+    fn holds(&self, axiom: AxiomId, proposal: &Proposal<'_>) -> bool {
+        if axiom == AxiomId::Apart && proposal.branch.visits().len() == self.last {
+            *self.answer.lock().unwrap() =
+                self.measured.to_part(proposal, self.visits, self.distance, self.gate);
+        }
+        true
+    }
+
+    fn clash(&self, _: AxiomId, _: &Proposal<'_>) -> Clash {
+        Clash::default()
+    }
+}
+
+impl Case {
+    /// What the engine says of two visits and a gate.
+    fn engine(&self, visits: [usize; 2], distance: f64, gate: f64) -> Option<f64> {
+        let measured = self.seen.iter().fold(Measurements::default(), |measured, seen| measured.with(seen));
+        let last = self.story.len() - 1;
+        let asking = Asking { measured, visits, distance, gate, last, answer: Mutex::default() };
+        let told: Vec<Assignment> = self.story.iter().map(assignment).collect();
+        let seen: Vec<Visit> = self.seen.iter().map(Visit::from).collect();
+        judge(&seen, Some(&asking), AxiomSet::built_in().with(AxiomId::Apart), &told).unwrap();
+        asking.answer.into_inner().unwrap()[self.share]
+    }
+
+    /// Compares both, where likely errors close the loops.
+    fn compare(&self) -> Option<Compared> {
+        let told = Told::new(&self.seen, &self.story);
+        let assigned = if told.is_new() { told.latest() } else { told.latest() + 1 };
+        let estimate = Estimate::new(&told, assigned, SHARES[self.share]);
+        if !estimate.agrees() {
+            return None;
+        }
+        let all = (1..self.story.len()).flat_map(|to| (0..to).map(move |from| [from, to]));
+        let near: Vec<[usize; 2]> =
+            all.filter(|&[from, to]| estimate.pose(from, to).0.xy().norm() < NEAR).collect();
+        let [from, to] = *near.get(self.which.index(near.len().max(1)))?;
+        let (at, covariance) = estimate.pose(from, to);
+        let longest = covariance.fixed_view::<2, 2>(0, 0).symmetric_eigenvalues().max().sqrt();
+        let distance = at.xy().norm() + self.about.sqrt() * longest;
+        if distance > 2.0 * NEAR {
+            return None;
+        }
+        let slow = Slow::new(&estimate, from, to);
+        let [inside, rim] = [distance * POLYGON, distance].map(|distance| slow.rise(distance));
+        let below = inside.and_then(|rise| self.engine([from, to], distance, 0.999 * rise.by - REST));
+        let above = rim.and_then(|rise| self.engine([from, to], distance, 1.001 * rise.by + REST));
+        Some(Compared { inside, rim, below, above })
+    }
+}
+
+/// What it takes to come to the circle within the engine's polygon and to that around it, by the reference; and what the
+/// engine says of a gate just below the one and of a gate just above the other.
+#[derive(Debug)]
+struct Compared {
+    inside: Option<Rise>,
+    rim: Option<Rise>,
+    below: Option<f64>,
+    above: Option<f64>,
+}
+
+/// What chi-square may still change by, where either comes to rest.
+const REST: f64 = 0.05;
+
+fn assignment(&(place, rotation): &(usize, usize)) -> Assignment {
+    Assignment { place: PlaceId::new(place).unwrap(), rotation: rotation as u8 }
+}
+
+/// The engine says that it takes more than a gate wherever the reference finds so, for gates up to a thousandth less,
+/// and nowhere that the reference finds errors within the gate with which the two visits are apart.
+#[test]
+fn the_profile_of_chi_square_is_that_of_its_reference() {
+    let (asked, found, known) = (Cell::new(0), Cell::new(0), Cell::new(0));
+    let count = |cell: &Cell<u32>, more: bool| cell.set(cell.get() + u32::from(more));
+    on_random(256, cases(), |case| {
+        let Some(compared) = case.compare() else { return Ok(()) };
+        let Compared { inside, rim, below, above } = &compared;
+        count(&asked, true);
+        count(&found, inside.is_some_and(|rise| rise.rests) && rim.is_some_and(|rise| rise.rests));
+        count(&known, below.is_some());
+        prop_assert!(above.is_none(), "{compared:?}");
+        let least = inside.map_or(0.0, |rise| 0.999 * rise.by - REST);
+        let most = rim.map_or(f64::INFINITY, |rise| 1.001 * rise.by + REST);
+        prop_assert!(below.is_none_or(|below| (least..=most).contains(&below)), "{compared:?}");
+        Ok(())
+    });
+    let [asked, found, known] = [asked, found, known].map(|cell| cell.get());
+    assert!(asked > 64 && 10 * found > 9 * asked && 10 * known > 9 * asked, "{asked} {found} {known}");
+}
