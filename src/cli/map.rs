@@ -11,9 +11,11 @@ use crate::cli::patchwork::{Patchwork, patchwork};
 use crate::cli::poses::{pose_errors, poses_in_words};
 use crate::cli::standstill::{Stopped, before_in_words, pictures, stopped};
 use crate::cli::words::{certainty, in_words, reasons_in_words, truth_in_words};
+use crate::explanation::{Verdict, verdict as verdict_of};
 use crate::export::{
-    self, Explanation, MapGraph, Mark, PoseErrors, Truth, map_svg, map_text, standstill_text,
+    self, Explanation, MapGraph, Mark, PoseErrors, Ties, Truth, map_svg, map_text, standstill_text,
 };
+use crate::patchwork::local_frames::LocalFramesError;
 use crate::service::{Limits, MapConfig, Session, SessionError};
 use crate::trace::recording::Arrival;
 use crate::trace::{Event, EventKind, write_event};
@@ -84,8 +86,9 @@ pub(super) struct Map {
     /// An operator's word after the trace: two observations, counted from 0, are (=) or are not (!=) one place.
     #[arg(long = "assert", value_name = "A=B|A!=B")]
     asserts: Vec<Said>,
-    /// Write trace.ndjson, report.json, map.txt and map.svg there; where travels were measured, also the patchwork, all
-    /// that was seen as one grid for map_server, and of a log the way of the robot in it (trajectory.tum).
+    /// Write trace.ndjson, report.json, map.txt and map.svg there; where travels were measured, also the patchwork: all
+    /// that was seen as one grid for map_server (patchwork.png, patchwork.yaml), the same by odometry alone
+    /// (odometry.png), the graph of the visits (patchwork.g2o), and of a log the way of the robot (trajectory.tum).
     #[arg(short, long, value_name = "DIR")]
     pub(super) output: Option<PathBuf>,
 }
@@ -114,33 +117,49 @@ impl Map {
         let (timetable, track) = (std::mem::take(&mut input.timetable), std::mem::take(&mut input.track));
         let way = std::mem::take(&mut input.way);
         let Explained { events, session, fault } = self.search(input, axioms, strategy)?;
-        let report = session.abduction().report();
+        let (mut report, survey) = (session.abduction().report(), session.survey());
+        let broken = |error: LocalFramesError| Failure::Broken(error.to_string());
+        let mut agreements = survey.agreements();
+        let ties = Ties::rank(&mut report, survey, &mut agreements, &|| false).map_err(broken)?;
         let mut wire = export::Report::new(&report);
-        wire.explain = self.reasons(session.abduction())?.map(Box::new);
+        wire.ties = ties;
+        wire.explain = self.reasons(session.abduction(), &report)?.map(Box::new);
         wire.truth = self.compared(&timetable, &session, wire.preferred.as_ref())?.map(Box::new);
         let preferred = report.minimal.first();
-        let patchwork = preferred.map(|map| patchwork(&events, &map.visits, &way)).transpose()?.flatten();
+        let patchwork =
+            preferred.map(|map| patchwork(survey, &mut agreements, &map.visits, &way)).transpose()?.flatten();
         wire.strain = patchwork.as_ref().map(|patchwork| Box::new(patchwork.strain.clone()));
         wire.poses = self.pose_errors(&track, patchwork.as_ref())?.map(Box::new);
         let stopped = stopped(&session, &events, limits())?;
         wire.standstill = stopped.as_ref().map(|stopped| Box::new(stopped.why.clone()));
         wire.seconds = Some(started.elapsed().as_secs_f64());
-        if self.json {
-            writeln!(stdout(), "{}", json(&wire)?)?;
-        } else {
-            write!(stdout(), "{}", in_words(&report, &wire))?;
-            write!(stdout(), "{}{}", reasons_in_words(&wire), truth_in_words(&wire))?;
-            write!(stdout(), "{}", wire.poses.as_deref().map(poses_in_words).unwrap_or_default())?;
-            if let Some(Stopped { why, before }) = &stopped {
-                write!(stdout(), "{}\n{}", standstill_text(why), before_in_words(before))?;
-            }
-        }
+        self.print(&report, &wire, stopped.as_ref())?;
         if let Some(folder) = &self.output {
             let mut files = files(&events, &report, &wire, stopped.as_ref())?;
-            files.extend(patchwork.map_or_else(|| Ok(Vec::new()), |patchwork| patchwork.files())?);
+            if let Some(patchwork) = &patchwork {
+                files.extend(patchwork.files()?);
+            }
             written(folder, files)?;
         }
         fault.map_or_else(|| verdict(&report), Err)
+    }
+
+    fn print(
+        &self,
+        report: &Report,
+        wire: &export::Report,
+        stopped: Option<&Stopped>,
+    ) -> Result<(), Failure> {
+        if self.json {
+            return Ok(writeln!(stdout(), "{}", json(wire)?)?);
+        }
+        write!(stdout(), "{}", in_words(report, wire))?;
+        write!(stdout(), "{}{}", reasons_in_words(wire), truth_in_words(wire))?;
+        write!(stdout(), "{}", wire.poses.as_deref().map(poses_in_words).unwrap_or_default())?;
+        if let Some(Stopped { why, before }) = stopped {
+            write!(stdout(), "{}\n{}", standstill_text(why), before_in_words(before))?;
+        }
+        Ok(())
     }
 
     /// What the options ask for, which must go with the trace.
@@ -195,7 +214,7 @@ impl Map {
     fn pose_errors(
         &self,
         track: &Track,
-        patchwork: Option<&Patchwork>,
+        patchwork: Option<&Patchwork<'_>>,
     ) -> Result<Option<PoseErrors>, Failure> {
         let Some(file) = &self.relations else { return Ok(None) };
         if !is_log(&self.input) {
@@ -239,8 +258,9 @@ impl Map {
     }
 
     /// The reasons of the preferred map, if they are asked for and there is one.
-    fn reasons(&self, abduction: &Abduction) -> Result<Option<Explanation>, Failure> {
-        let (Some(asked), Some(&preferred)) = (self.explain, abduction.minimal().first()) else {
+    fn reasons(&self, abduction: &Abduction, report: &Report) -> Result<Option<Explanation>, Failure> {
+        let preferred = report.minimal.first().and_then(|map| verdict_of(abduction, &map.visits));
+        let (Some(asked), Some(Verdict::Kept(preferred))) = (self.explain, preferred) else {
             return Ok(None);
         };
         let visits = match asked {

@@ -6,23 +6,26 @@ use crate::cli::input::Way;
 use crate::export::{MapStrain, map_png, map_yaml};
 use crate::geometry::Pose;
 use crate::grid::OccupancyGrid;
-use crate::metric::MetricParameters;
+use crate::grid::occupancy::MAX_SIDE;
 use crate::patchwork::assembly::{RelaxedDrive, Stop};
-use crate::patchwork::format::write_trajectory;
-use crate::patchwork::local_frames::{Agreements, LocalFrames};
+use crate::patchwork::format::{write_g2o, write_trajectory};
+use crate::patchwork::local_frames::{Agreements, LocalFrames, graph};
+use crate::patchwork::merged::{Canvas, MergeError};
 use crate::patchwork::survey::Survey;
-use crate::trace::Event;
-use std::sync::Arc;
 
 /// Side of a cell of the patchwork's grid, metres.
 const RESOLUTION: f64 = 0.05;
 
 /// A candidate map relaxed.
-pub(super) struct Patchwork {
+pub(super) struct Patchwork<'a> {
     pub(super) strain: MapStrain,
     /// The way of a log, scan by scan.
     pub(super) trajectories: Option<Trajectories>,
-    grid: Option<OccupancyGrid>,
+    survey: &'a Survey,
+    way: &'a Way,
+    frames: LocalFrames,
+    /// The frames of a log's way, relaxed.
+    driven: Vec<Pose>,
 }
 
 /// The pose at every scan with its stamp.
@@ -32,24 +35,19 @@ pub(super) struct Trajectories {
 }
 
 /// The patchwork of a candidate; nothing where no travel was measured.
-pub(super) fn patchwork(
-    events: &[Arc<Event>],
+pub(super) fn patchwork<'a>(
+    survey: &'a Survey,
+    agreements: &mut Agreements<'_>,
     candidate: &[Assignment],
-    way: &Way,
-) -> Result<Option<Patchwork>, Failure> {
-    let broken = |error: &dyn std::fmt::Display| Failure::Broken(error.to_string());
-    let survey = Survey::of(events.iter().map(Arc::as_ref)).map_err(|error| broken(&error))?;
+    way: &'a Way,
+) -> Result<Option<Patchwork<'a>>, Failure> {
     if !survey.is_measured() {
         return Ok(None);
     }
-    let MetricParameters { extent_sigma, bearing_sigma, .. } = MetricParameters::default();
-    let mut agreements = Agreements::new(survey.visits.clone(), [extent_sigma, bearing_sigma]);
-    let closures = agreements.closures(candidate);
-    let frames = LocalFrames::relax(&survey.travels, closures).map_err(|error| broken(&error))?;
+    let frames = survey.relax(candidate, agreements, &|| false).map_err(broken)?;
     let strain = MapStrain::of(&frames);
     if way.drive.frames().is_empty() {
-        let grid = survey.grid(&frames.poses, RESOLUTION).map_err(|error| broken(&error))?;
-        return Ok(Some(Patchwork { strain, trajectories: None, grid }));
+        return Ok(Some(Patchwork { strain, trajectories: None, survey, way, frames, driven: Vec::new() }));
     }
     // The origin of a visit's frame is the point of its place, not that of its LPM.
     let stop = |(visit, stop): (usize, &Stop)| {
@@ -58,27 +56,67 @@ pub(super) fn patchwork(
         Some(Stop { local_from_visit, ..*stop })
     };
     let stops: Vec<Stop> = way.stops.iter().enumerate().filter_map(stop).collect();
-    let relaxed = RelaxedDrive::new(&way.drive, &stops, &frames.closures).map_err(|error| broken(&error))?;
-    let grid = way.drive.grid(&relaxed.by_scans.poses, RESOLUTION).map_err(|error| broken(&error))?;
-    let trajectories = Trajectories {
+    let relaxed = RelaxedDrive::new(&way.drive, &stops, &frames.closures).map_err(broken)?;
+    let trajectories = Some(Trajectories {
         by_map: way.drive.trajectory(&relaxed.by_map.poses),
         by_scans: way.drive.trajectory(&relaxed.by_scans.poses),
-    };
-    Ok(Some(Patchwork { strain, trajectories: Some(trajectories), grid }))
+    });
+    Ok(Some(Patchwork { strain, trajectories, survey, way, frames, driven: relaxed.by_scans.poses }))
 }
 
-impl Patchwork {
-    /// The files of the patchwork: the grid as a `map_server` pair, and the way of a log.
+impl Patchwork<'_> {
+    /// The files of the patchwork: the grid as a `map_server` pair, a picture of the same by odometry alone, the graph of the
+    /// visits, and the way of a log.
     pub(super) fn files(&self) -> Result<Vec<(String, Vec<u8>)>, Failure> {
         let mut files = Vec::new();
-        if let Some(grid) = &self.grid {
-            let png = map_png(grid).map_err(|error| Failure::Broken(error.to_string()))?;
-            files.push(("patchwork.png".to_owned(), png));
-            files.push(("patchwork.yaml".to_owned(), map_yaml(grid, "patchwork.png").into_bytes()));
+        if let Some(grid) = self.grid()? {
+            files.push(("patchwork.png".to_owned(), map_png(&grid).map_err(broken)?));
+            files.push(("patchwork.yaml".to_owned(), map_yaml(&grid, "patchwork.png").into_bytes()));
         }
+        if let Some(grid) = self.grid_by_odometry()? {
+            files.push(("odometry.png".to_owned(), map_png(&grid).map_err(broken)?));
+        }
+        let graph = graph(&self.survey.travels(), &self.frames.closures).map_err(broken)?;
+        let graph = graph.with_guesses(&self.frames.poses);
+        files.push(("patchwork.g2o".to_owned(), write_g2o(&graph).into_bytes()));
         if let Some(trajectories) = &self.trajectories {
             files.push(("trajectory.tum".to_owned(), write_trajectory(&trajectories.by_scans).into_bytes()));
         }
         Ok(files)
     }
+
+    /// The scans of a log along its way, or else the LPMs of a trace.
+    fn grid(&self) -> Result<Option<OccupancyGrid>, Failure> {
+        fitted(|canvas| match self.driven.is_empty() {
+            true => self.survey.grid(&self.frames, canvas, &|| false),
+            false => self.way.drive.grid(&self.driven, canvas),
+        })
+    }
+
+    /// The same where the robot was by its odometry.
+    fn grid_by_odometry(&self) -> Result<Option<OccupancyGrid>, Failure> {
+        let frames = self.way.drive.frames();
+        if !frames.is_empty() {
+            let poses: Vec<Pose> = frames.iter().map(|frame| frame.sweep.odom_from_robot).collect();
+            return fitted(|canvas| self.way.drive.grid(&poses, canvas));
+        }
+        let open = LocalFrames::relax(&self.survey.travels(), Vec::new(), &|| false).map_err(broken)?;
+        fitted(|canvas| self.survey.grid(&open, canvas, &|| false))
+    }
+}
+
+/// A grid, in coarser cells where it would be too large.
+fn fitted(
+    make: impl Fn(&Canvas) -> Result<Option<OccupancyGrid>, MergeError>,
+) -> Result<Option<OccupancyGrid>, Failure> {
+    let canvas = Canvas { resolution: RESOLUTION, most_cells: MAX_SIDE * MAX_SIDE };
+    match make(&canvas) {
+        Err(MergeError::TooLarge { fitting, .. }) => make(&Canvas { resolution: fitting, ..canvas }),
+        made => made,
+    }
+    .map_err(broken)
+}
+
+fn broken(error: impl std::fmt::Display) -> Failure {
+    Failure::Broken(error.to_string())
 }

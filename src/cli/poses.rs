@@ -13,7 +13,7 @@ use std::path::Path;
 /// The errors of a track beside the relations in a file, and those of its patchwork.
 pub(super) fn pose_errors(
     track: &Track,
-    patchwork: Option<&Patchwork>,
+    patchwork: Option<&Patchwork<'_>>,
     file: &Path,
 ) -> Result<PoseErrors, Failure> {
     let relations = read_relations(file)?;

@@ -278,6 +278,7 @@ fn ended(answer: &Relaxation) -> Result<(), Failure> {
         Outcome::OutOfIterations => {
             Err(Failure::Limit("--max-iterations is reached before the strain is least".into()))
         }
+        Outcome::Interrupted => Err(Failure::Limit("it was told to stop before the strain is least".into())),
         Outcome::Stalled => Err(Failure::Broken(
             "no step lowers the strain any more, though it is not least: its numbers are too far apart"
                 .into(),

@@ -3,7 +3,7 @@
 use crate::abduction::{Report, Strategy};
 use crate::cli::failure::Failure;
 use crate::explanation::standstill;
-use crate::export::{self, Preferred, Standstill, extraction_svg, map_text};
+use crate::export::{self, Preferred, Standstill, Ties, extraction_svg, map_text};
 use crate::lpm::Lpm;
 use crate::service::{Limits, Session};
 use crate::star::{PerceptionParameters, SmallScaleStar, describe, rejected};
@@ -32,7 +32,8 @@ pub(super) fn stopped(
     let Some((fatal, _)) = seen.clone().nth(end.observation) else { return Ok(None) };
     let broken = |error: &dyn std::fmt::Display| Failure::Broken(error.to_string());
     let before = Session::replay(session.config(), limits, &events[..fatal]).map_err(|e| broken(&e))?;
-    let before: Report = before.abduction().report();
+    let (survey, mut before) = (Arc::clone(before.survey()), before.abduction().report());
+    Ties::rank(&mut before, &survey, &mut survey.agreements(), &|| false).map_err(|e| broken(&e))?;
     let (Some(simplest), Some(preferred)) = (before.minimal.first(), Preferred::of(&before)) else {
         return Ok(None);
     };

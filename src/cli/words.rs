@@ -1,7 +1,7 @@
 //! What was found, in words.
 
 use crate::abduction::{Report, Strategy};
-use crate::export::{self, MapGraph, explanation_text, map_text, visits_text};
+use crate::export::{self, MapGraph, TieOrder, TieStrain, Ties, explanation_text, map_text, visits_text};
 
 /// The report in words.
 pub(super) fn in_words(report: &Report, wire: &export::Report) -> String {
@@ -12,12 +12,35 @@ pub(super) fn in_words(report: &Report, wire: &export::Report) -> String {
     text += &headline(&wire.candidates, preferred, wire.minimal.len());
     text += "\n";
     text += &map_text(&MapGraph::of(candidate));
-    let rivals = report
-        .minimal
-        .iter()
-        .skip(1)
-        .map(|rival| format!("as simple: visits {}\n", numbers(&rival.places())));
-    text + &rivals.collect::<String>()
+    text + &ties_in_words(report, wire.ties.as_ref())
+}
+
+/// The maps as simple as the preferred one, and what strains all of these.
+fn ties_in_words(report: &Report, ties: Option<&Ties>) -> String {
+    let strain = |at: usize| match ties.map(|ties| ties.strains.get(at).copied().flatten()) {
+        None => String::new(),
+        Some(None) => "; not relaxed".into(),
+        Some(Some(TieStrain { chi_square, degrees_of_freedom, log10_probability })) => {
+            let probability = match log10_probability {
+                common if common > -2.0 => format!("{:.2}", 10_f64.powf(common)),
+                rare => format!("1e{rare:.0}"),
+            };
+            format!(
+                "; strain {chi_square:.1} with {degrees_of_freedom} degrees of freedom, probability {probability}"
+            )
+        }
+    };
+    let told = match ties.map(|ties| ties.ordered_by) {
+        None => String::new(),
+        Some(TieOrder::Strain) => format!("preferred as the least strained of them{}\n", strain(0)),
+        Some(TieOrder::Assignment) => {
+            format!("preferred as the first of them, as not all strains can be compared{}\n", strain(0))
+        }
+    };
+    let rivals = report.minimal.iter().enumerate().skip(1);
+    let rivals =
+        rivals.map(|(at, rival)| format!("as simple: visits {}{}\n", numbers(&rival.places()), strain(at)));
+    rivals.fold(told, |text, rival| text + &rival)
 }
 
 /// What the search did: how many candidates it left, or how far it proves what it found.

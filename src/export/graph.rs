@@ -1,10 +1,12 @@
 //! A candidate's map as a JSON graph.
 
 use crate::abduction::Candidate;
+use crate::export::strain::{StrainSum, wire_pose};
 use crate::map::{
     Abnormality, Beside, BoundSlot, Crossing, DstateId, PathRegions, Paths, PlaceId, Regions, Segment,
     TopoPath, TopologicalMap,
 };
+use crate::patchwork::local_frames::LocalFrames;
 use crate::trace::wire_star::{WireControl, WireDirection};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -23,6 +25,24 @@ pub struct MapGraph {
     pub frontier: Vec<GraphGateway>,
     /// The distinctive state the robot is at after the last observation.
     pub robot: GraphGateway,
+    /// Where the places lie once what was measured between them is relaxed; left out where no travel was measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub poses: Option<GraphPoses>,
+    /// What strains the map then; left out where no travel was measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub strain: Option<StrainSum>,
+}
+
+/// The frames of places and visits: x, y in metres and heading in radians, in the frame of the first observation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct GraphPoses {
+    /// The frame of each place, by its number: that of its first visit, as its star is.
+    pub places: Vec<[f64; 3]>,
+    /// The frame of each visit, by observation: its origin is the point of the place, its axes are those of the observation.
+    pub visits: Vec<[f64; 3]>,
+    /// The observation that the frame of each visit hangs on, by observation: 0 for all, unless a travel was not measured
+    /// and nothing measured later joins what it parts. Poses that hang on different observations say nothing of each other.
+    pub parts: Vec<usize>,
 }
 
 /// A place.
@@ -127,7 +147,24 @@ impl MapGraph {
             segments: map.segments().iter().map(GraphSegment::of).collect(),
             frontier: frontier(map).map(GraphGateway::of).collect(),
             robot: GraphGateway::of(candidate.robot),
+            poses: None,
+            strain: None,
         }
+    }
+
+    /// The same with where the places of the candidate lie, and what strains it.
+    #[must_use]
+    pub fn with_frames(self, candidate: &Candidate, frames: &LocalFrames) -> MapGraph {
+        let visits: Vec<[f64; 3]> = frames.poses.iter().map(wire_pose).collect();
+        let mut places = Vec::new();
+        for (visit, pose) in candidate.visits.iter().zip(&visits) {
+            // Places are numbered by first visit.
+            if visit.place.index() == places.len() {
+                places.push(*pose);
+            }
+        }
+        let poses = GraphPoses { places, visits, parts: frames.parts.clone() };
+        MapGraph { poses: Some(poses), strain: Some(StrainSum::of(frames)), ..self }
     }
 }
 

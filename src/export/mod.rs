@@ -10,6 +10,7 @@ mod explanation;
 mod explanation_text;
 pub mod answer_set;
 mod graph;
+mod grid;
 mod outlook;
 mod pose_errors;
 mod poses_svg;
@@ -19,6 +20,7 @@ mod report;
 mod sheet;
 mod standstill;
 mod strain;
+mod ties;
 mod extraction;
 mod extraction_svg;
 mod layout;
@@ -37,9 +39,10 @@ pub use explanation_text::{explanation_text, visits_text};
 pub use extraction::Extraction;
 pub use extraction_svg::extraction_svg;
 pub use graph::{
-    GraphBeside, GraphCrossing, GraphDstate, GraphGateway, GraphPath, GraphPlace, GraphRegions, GraphSegment,
-    MapGraph,
+    GraphBeside, GraphCrossing, GraphDstate, GraphGateway, GraphPath, GraphPlace, GraphPoses, GraphRegions,
+    GraphSegment, MapGraph,
 };
+pub use grid::GridDocument;
 pub use layout::Layout;
 pub use map_server::{map_pgm, map_png, map_yaml};
 pub use map_svg::map_svg;
@@ -53,7 +56,8 @@ pub use report::{
     Assertion, Bound, Count, Extinction, Preferred, Relation, Report, StopReason, Strategy, profile_name,
 };
 pub use standstill::{Dissenting, Doubt, Standstill, standstill_text};
-pub use strain::{MapStrain, StrainedSpan};
+pub use strain::{MapStrain, StrainSum, StrainedSpan};
+pub use ties::{TieOrder, TieStrain, Ties};
 pub use truth::{Mark, Repeated, Truth};
 pub use view_report::{PreferredViews, ViewReport, ViewStopReason, ViewStrategy};
 pub use view_text::view_text;

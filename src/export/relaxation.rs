@@ -20,7 +20,7 @@ pub struct RelaxationReport {
     pub iterations: usize,
     /// Whether no step would gain anything.
     pub converged: bool,
-    /// How it ended: `converged`, `out-of-iterations` or `stalled`.
+    /// How it ended: `converged`, `out-of-iterations`, `interrupted` or `stalled`.
     pub outcome: &'static str,
     /// Where the answer was started from: `guesses`, `odometry` or `rotations`.
     pub start: &'static str,
@@ -92,6 +92,7 @@ impl RelaxationReport {
             outcome: match answer.outcome {
                 Outcome::Converged => "converged",
                 Outcome::OutOfIterations => "out-of-iterations",
+                Outcome::Interrupted => "interrupted",
                 Outcome::Stalled => "stalled",
             },
             start: match answer.start {

@@ -1,7 +1,7 @@
 //! The report of an abduction: the one stable object of `map --json`.
 
 use crate::abduction::{self, AxiomSet, Candidate, OPERATOR, Profile};
-use crate::export::{Explanation, MapStrain, PoseErrors, Standstill, Truth};
+use crate::export::{Explanation, MapStrain, PoseErrors, Standstill, Ties, Truth};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use utoipa::ToSchema;
@@ -41,6 +41,9 @@ pub struct Report {
     /// How many different maps these are: where a robot came to a place by more than one story, two candidates
     /// can be one map with its places numbered differently. Null where there are too many to compare.
     pub minimal_maps: Option<usize>,
+    /// How these are told apart by what was measured; left out where there is one, or nothing was measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ties: Option<Ties>,
     /// Why the search ended early; null if every candidate was followed to the last observation.
     pub stop_reason: Option<StopReason>,
     /// What refuted the last candidates; null unless no candidate is left.
@@ -220,6 +223,7 @@ impl Report {
             preferred: Preferred::of(found),
             minimal: found.minimal.iter().map(Candidate::places).collect(),
             minimal_maps: minimal_maps(found),
+            ties: None,
             stop_reason: StopReason::of(found.stop_reason),
             extinction: found.extinction.as_ref().map(Extinction::of),
             asserts: found.word.assertions().iter().map(Assertion::of).collect(),

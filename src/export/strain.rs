@@ -1,7 +1,8 @@
 //! What strains a map once its local frames are relaxed into one patchwork.
 
+use crate::geometry::Pose;
 use crate::patchwork::Outcome;
-use crate::patchwork::local_frames::LocalFrames;
+use crate::patchwork::local_frames::{EdgeStrain, LocalFrames};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -9,15 +10,24 @@ use utoipa::ToSchema;
 /// that the axioms have not left equal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct MapStrain {
+    /// What strains it.
+    #[serde(flatten)]
+    pub strain: StrainSum,
+    /// The pose of the place of each observation on that visit, in the frame of the first: x, y in metres and heading in
+    /// radians. Axes are those of the observation.
+    pub poses: Vec<[f64; 3]>,
+}
+
+/// The strain of a map relaxed, in all and edge by edge.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = Strain)]
+pub struct StrainSum {
     /// Chi-square of all edges.
     pub chi_square: f64,
     /// Numbers measured less numbers sought.
     pub degrees_of_freedom: usize,
     /// Whether relaxation has come to rest.
     pub converged: bool,
-    /// The pose of the place of each observation on that visit, in the frame of the first: x, y in metres and heading in
-    /// radians. Axes are those of the observation.
-    pub poses: Vec<[f64; 3]>,
     /// What each travel and each closure is strained by.
     pub edges: Vec<StrainedSpan>,
 }
@@ -38,17 +48,28 @@ pub struct StrainedSpan {
 impl MapStrain {
     /// Of a candidate relaxed.
     pub fn of(frames: &LocalFrames) -> MapStrain {
-        let span = |edge: &crate::patchwork::local_frames::EdgeStrain| StrainedSpan {
+        MapStrain { strain: StrainSum::of(frames), poses: frames.poses.iter().map(wire_pose).collect() }
+    }
+}
+
+/// A pose as x, y in metres and heading in radians.
+pub(super) fn wire_pose(pose: &Pose) -> [f64; 3] {
+    [pose.x, pose.y, pose.theta]
+}
+
+impl StrainSum {
+    /// Of a candidate relaxed.
+    pub fn of(frames: &LocalFrames) -> StrainSum {
+        let span = |edge: &EdgeStrain| StrainedSpan {
             observations: edge.visits,
             travelled: edge.travelled,
             chi_square: edge.strain.chi_square,
             degrees_of_freedom: edge.strain.degrees_of_freedom,
         };
-        MapStrain {
+        StrainSum {
             chi_square: frames.strain.chi_square,
             degrees_of_freedom: frames.strain.degrees_of_freedom,
             converged: frames.outcome == Outcome::Converged,
-            poses: frames.poses.iter().map(|pose| [pose.x, pose.y, pose.theta]).collect(),
             edges: frames.strains.iter().map(span).collect(),
         }
     }

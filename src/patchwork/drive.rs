@@ -1,7 +1,8 @@
 //! A drive: frames along the robot's way, each with the walls seen from it.
 
 use crate::geometry::{Point, Pose, Vector};
-use crate::grid::{GridError, GridInfo, OccupancyGrid};
+use crate::grid::OccupancyGrid;
+use crate::patchwork::merged::{Canvas, MergeError};
 use crate::sensor::surface::{Surface, surfaces};
 use crate::sensor::{EvidenceGrid, EvidenceParameters, LaserScan, LocalPose};
 use nalgebra::Matrix3;
@@ -116,8 +117,8 @@ impl Drive {
 }
 
 impl Drive {
-    /// What all frames saw, with the frames in these poses, in cells of so many metres; `None` where there are no frames.
-    pub fn grid(&self, frames: &[Pose], resolution: f64) -> Result<Option<OccupancyGrid>, GridError> {
+    /// What all frames saw, with the frames in these poses; `None` where there are no frames.
+    pub fn grid(&self, frames: &[Pose], canvas: &Canvas) -> Result<Option<OccupancyGrid>, MergeError> {
         let parameters = EvidenceParameters::default();
         let seen = [-parameters.max_range, parameters.max_range].map(Vector::repeat);
         let corners = frames.iter().flat_map(|pose| seen.map(|corner| pose.position() + corner));
@@ -126,16 +127,11 @@ impl Drive {
             Some([low.inf(&at), high.sup(&at)])
         });
         let Some([low, high]) = all else { return Ok(None) };
-        let cells = |length: f64| (length / resolution).ceil().max(1.0) as usize;
-        let origin = Pose::new(low.x, low.y, 0.0);
-        let info =
-            GridInfo { resolution, width: cells(high.x - low.x), height: cells(high.y - low.y), origin };
-        OccupancyGrid::check(&info)?;
-        let mut evidence = EvidenceGrid::new(info, f64::INFINITY, parameters);
+        let mut evidence = EvidenceGrid::new(canvas.around(low, high)?, f64::INFINITY, parameters);
         for (frame, pose) in self.frames.iter().zip(frames) {
             evidence.add(&frame.sweep, pose, 0.0);
         }
-        evidence.grid().map(Some)
+        Ok(Some(evidence.grid()?))
     }
 }
 

@@ -8,7 +8,7 @@ use crate::patchwork::alignment::Alignment;
 use crate::patchwork::assembly::Closure;
 use crate::patchwork::drive::turned;
 use crate::patchwork::{
-    Edge, GraphError, Outcome, PoseGraph, PoseId, RelaxError, RelaxOptions, Strain, relax,
+    Edge, GraphError, Outcome, PoseGraph, PoseId, RelaxError, RelaxOptions, Strain, relax_until,
 };
 use nalgebra::Matrix3;
 use std::collections::BTreeMap;
@@ -18,25 +18,63 @@ use std::collections::BTreeMap;
 pub type Displacement = (Pose, Matrix3<f64>);
 
 /// What visits show of each other, remembered: candidates ask for the same pairs.
-#[derive(Clone, Debug)]
-pub struct Agreements {
-    visits: Vec<Neighbourhood>,
+pub struct Agreements<'a> {
+    show: Box<dyn Fn(usize) -> Option<Neighbourhood> + 'a>,
+    shown: BTreeMap<usize, Option<Neighbourhood>>,
     /// Standard deviations of the middle of a place, metres, and of a bearing, radians, as found on one visit.
     sigmas: [f64; 2],
-    known: BTreeMap<(usize, usize, u8), Option<Alignment>>,
+    known: Known,
 }
 
-impl Agreements {
-    /// Of visits in their order.
-    pub fn new(visits: Vec<Neighbourhood>, sigmas: [f64; 2]) -> Self {
-        Agreements { visits, sigmas, known: BTreeMap::new() }
+/// What pairs of visits show of each other, where that was asked before. It stays so however the trace goes on.
+#[derive(Clone, Debug, Default)]
+pub struct Known(BTreeMap<(usize, usize, u8), Option<Alignment>>);
+
+impl Known {
+    /// How many pairs are remembered at most: half a megabyte.
+    pub const MOST: usize = 4096;
+
+    /// Remembers more pairs, as many as there is room for.
+    pub fn extend(&mut self, more: Known) {
+        for (pair, alignment) in more.0 {
+            if self.0.len() >= Known::MOST {
+                return;
+            }
+            self.0.entry(pair).or_insert(alignment);
+        }
+    }
+}
+
+impl<'a> Agreements<'a> {
+    /// Of visits, each of which is asked what it shows when a pair first needs it.
+    pub fn new(show: impl Fn(usize) -> Option<Neighbourhood> + 'a, sigmas: [f64; 2]) -> Self {
+        Agreements { show: Box::new(show), shown: BTreeMap::new(), sigmas, known: Known::default() }
     }
 
-    /// The closures of a candidate: each visit to a known place, with the first visit there.
-    pub fn closures(&mut self, candidate: &[Assignment]) -> Vec<Closure> {
+    /// The same, some pairs of which are known.
+    #[must_use]
+    pub fn knowing(self, known: Known) -> Self {
+        Agreements { known, ..self }
+    }
+
+    /// The pairs that are known by now.
+    pub fn into_known(self) -> Known {
+        self.known
+    }
+
+    /// The closures of a candidate: each visit to a known place, with the first visit there. `interrupted` is asked
+    /// before each.
+    pub fn closures(
+        &mut self,
+        candidate: &[Assignment],
+        interrupted: &dyn Fn() -> bool,
+    ) -> Result<Vec<Closure>, LocalFramesError> {
         let mut first: BTreeMap<usize, usize> = BTreeMap::new();
         let mut closures = Vec::new();
         for (visit, assigned) in candidate.iter().enumerate() {
+            if interrupted() {
+                return Err(LocalFramesError::Interrupted);
+            }
             let known = *first.entry(assigned.place.index()).or_insert(visit);
             let Some(alignment) =
                 (known < visit).then(|| self.between(known, visit, assigned.rotation)).flatten()
@@ -45,13 +83,21 @@ impl Agreements {
             };
             closures.push(Closure { visits: [known, visit], alignment });
         }
-        closures
+        Ok(closures)
     }
 
     fn between(&mut self, first: usize, later: usize, rotation: u8) -> Option<Alignment> {
-        let (one, other) = (self.visits.get(first)?, self.visits.get(later)?);
-        let find = || one.agreement(other, usize::from(rotation), self.sigmas);
-        *self.known.entry((first, later, rotation)).or_insert_with(find)
+        if let Some(known) = self.known.0.get(&(first, later, rotation)) {
+            return *known;
+        }
+        for visit in [first, later] {
+            self.shown.entry(visit).or_insert_with(|| (self.show)(visit));
+        }
+        let [one, other] = [first, later].map(|visit| self.shown.get(&visit).and_then(Option::as_ref));
+        let found =
+            one.zip(other).and_then(|(one, other)| one.agreement(other, usize::from(rotation), self.sigmas));
+        self.known.0.insert((first, later, rotation), found);
+        found
     }
 }
 
@@ -93,7 +139,8 @@ pub struct LocalFrames {
     pub strain: Strain,
     /// How relaxation ended.
     pub outcome: Outcome,
-    /// The first visit of each part that nothing measured joins to those before: where a travel was not measured.
+    /// The part of each visit, by its first visit: a travel that was not measured begins another one, unless what was
+    /// measured later joins the two. Nothing is known of where a part lies in another.
     pub parts: Vec<usize>,
 }
 
@@ -117,16 +164,24 @@ pub enum LocalFramesError {
     /// The graph is too large.
     #[error(transparent)]
     Relax(#[from] RelaxError),
+    /// The caller said so.
+    #[error("it was told to stop")]
+    Interrupted,
 }
 
 impl LocalFrames {
-    /// Relaxes a candidate. `travels` has one for each visit, of the travel that led to it.
+    /// Relaxes a candidate. `travels` has one for each visit, of the travel that led to it. `interrupted` is asked before
+    /// each step.
     pub fn relax(
         travels: &[Option<Displacement>],
         closures: Vec<Closure>,
+        interrupted: &dyn Fn() -> bool,
     ) -> Result<LocalFrames, LocalFramesError> {
         let graph = graph(travels, &closures)?;
-        let relaxed = relax(&graph, &RelaxOptions::default())?;
+        let relaxed = relax_until(&graph, &RelaxOptions::default(), interrupted)?;
+        if relaxed.outcome == Outcome::Interrupted {
+            return Err(LocalFramesError::Interrupted);
+        }
         let number = |id: PoseId| id.0 as usize;
         let travelled = graph.edges().len() - closures.len();
         let strains = graph.strains(&relaxed.poses).unwrap_or_default();
@@ -139,7 +194,7 @@ impl LocalFrames {
             strains: strains.collect(),
             strain: Strain { chi_square: relaxed.objective, degrees_of_freedom: relaxed.degrees_of_freedom },
             outcome: relaxed.outcome,
-            parts: relaxed.parts.iter().map(|part| number(part.first)).collect(),
+            parts: graph.parts(),
             poses: relaxed.poses,
             closures,
         })
@@ -185,7 +240,7 @@ mod tests {
     }
 
     /// Frames near the middles, the exact displacements between them, and what was seen.
-    fn walked(frames: &[(f64, f64, f64)]) -> (Vec<Pose>, Vec<Option<Displacement>>, Agreements) {
+    fn walked(frames: &[(f64, f64, f64)]) -> (Vec<Pose>, Vec<Option<Displacement>>, Agreements<'static>) {
         let pose = |(visit, &(x, y, theta)): (usize, &(f64, f64, f64))| {
             Pose::new(middle(visit).x + x, middle(visit).y + y, theta)
         };
@@ -193,8 +248,9 @@ mod tests {
         let covariance = Matrix3::from_diagonal(&Vector3::new(0.04, 0.04, 0.01));
         let travel = |pair: &[Pose]| Some((pair[0].between(&pair[1]), covariance));
         let travels = std::iter::once(None).chain(truth.windows(2).map(travel)).collect();
-        let seen = truth.iter().enumerate().map(|(visit, pose)| corner(visit % 4, pose)).collect();
-        (truth, travels, Agreements::new(seen, [0.25, 0.05]))
+        let seen: Vec<Neighbourhood> =
+            truth.iter().enumerate().map(|(visit, pose)| corner(visit % 4, pose)).collect();
+        (truth, travels, Agreements::new(move |visit| seen.get(visit).cloned(), [0.25, 0.05]))
     }
 
     fn frames() -> impl Strategy<Value = Vec<(f64, f64, f64)>> {
@@ -207,9 +263,9 @@ mod tests {
         #[test]
         fn exact_travels_around_a_block_are_not_strained(frames in frames()) {
             let (truth, travels, mut agreements) = walked(&frames);
-            let closures = agreements.closures(&assigned(frames.len()));
+            let closures = agreements.closures(&assigned(frames.len()), &|| false).unwrap();
             prop_assert_eq!(closures.len(), frames.len() - 4);
-            let relaxed = LocalFrames::relax(&travels, closures).unwrap();
+            let relaxed = LocalFrames::relax(&travels, closures, &|| false).unwrap();
             prop_assert!(relaxed.strain.chi_square < 0.5, "{:?}", relaxed.strain);
             prop_assert_eq!(relaxed.strain.degrees_of_freedom, 3 * (frames.len() - 4));
             for (pose, true_pose) in relaxed.poses.iter().zip(&truth) {
@@ -225,9 +281,10 @@ mod tests {
             for (displacement, _) in travels.iter_mut().flatten() {
                 displacement.theta = wrap_angle(displacement.theta + bent);
             }
-            let open = LocalFrames::relax(&travels, Vec::new()).unwrap();
+            let open = LocalFrames::relax(&travels, Vec::new(), &|| false).unwrap();
             prop_assert!(open.strain.chi_square < 1e-6 && open.strain.degrees_of_freedom == 0);
-            let relaxed = LocalFrames::relax(&travels, agreements.closures(&assigned(frames.len()))).unwrap();
+            let closures = agreements.closures(&assigned(frames.len()), &|| false).unwrap();
+            let relaxed = LocalFrames::relax(&travels, closures, &|| false).unwrap();
             let off = |poses: &[Pose]| {
                 let there = truth[0].between(&truth[4]).inverse().compose(&poses[0].between(&poses[4]));
                 there.x.hypot(there.y)
@@ -238,11 +295,47 @@ mod tests {
     }
 
     #[test]
+    fn what_is_known_of_pairs_is_not_looked_for_again() {
+        let (_, _, mut agreements) = walked(&[(0.1, 0.0, 0.3); 8]);
+        let found = agreements.closures(&assigned(8), &|| false).unwrap();
+        let mut known = Known::default();
+        known.extend(agreements.into_known());
+        let blind = |_| panic!("it is known");
+        let again =
+            Agreements::new(blind, [0.25, 0.05]).knowing(known).closures(&assigned(8), &|| false).unwrap();
+        assert_eq!((found.len(), &found), (4, &again));
+    }
+
+    #[test]
     fn a_travel_that_was_not_measured_begins_another_part() {
         let (_, mut travels, _) = walked(&[(0.0, 0.0, 0.0); 3]);
         travels[2] = None;
-        let relaxed = LocalFrames::relax(&travels, Vec::new()).unwrap();
-        assert_eq!(relaxed.parts, [0, 2]);
-        assert_eq!(LocalFrames::relax(&[], Vec::new()).unwrap().poses, []);
+        let relaxed = LocalFrames::relax(&travels, Vec::new(), &|| false).unwrap();
+        assert_eq!(relaxed.parts, [0, 0, 2]);
+        assert_eq!(LocalFrames::relax(&[], Vec::new(), &|| false).unwrap().poses, []);
+    }
+
+    /// Wherever it is told to stop, it stops, and says no more than that.
+    #[test]
+    fn relaxing_stops_when_told_to() {
+        let (_, mut travels, mut agreements) = walked(&[(0.1, 0.0, 0.3); 8]);
+        for (displacement, _) in travels.iter_mut().flatten() {
+            displacement.theta = wrap_angle(displacement.theta + 0.1);
+        }
+        let whole = agreements.closures(&assigned(8), &|| false).unwrap();
+        assert!(matches!(agreements.closures(&assigned(8), &|| true), Err(LocalFramesError::Interrupted)));
+        let asked = std::cell::Cell::new(0);
+        let after = |most: usize| {
+            asked.set(0);
+            let interrupted = || asked.replace(asked.get() + 1) >= most;
+            LocalFrames::relax(&travels, whole.clone(), &interrupted).map(|frames| frames.poses)
+        };
+        let poses = after(usize::MAX).unwrap();
+        let steps = asked.get();
+        assert!(steps > 2, "{steps}");
+        for most in 0..steps {
+            assert!(matches!(after(most), Err(LocalFramesError::Interrupted)), "{most} of {steps}");
+        }
+        assert_eq!(after(steps).unwrap(), poses);
     }
 }

@@ -1,6 +1,7 @@
 //! One occupancy grid of many local ones, each in the pose that relaxation gave it.
 
 use crate::geometry::{Point, Pose};
+use crate::grid::occupancy::MAX_SIDE;
 use crate::grid::{Cell, GridError, GridInfo, OccupancyGrid};
 
 /// A grid and the pose of its frame in that of the patchwork.
@@ -12,43 +13,128 @@ pub struct Piece<'a> {
     pub pose: Pose,
 }
 
+/// What grid to make.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Canvas {
+    /// Side of a cell, metres.
+    pub resolution: f64,
+    /// The most cells.
+    pub most_cells: usize,
+}
+
+/// Why pieces were not merged.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MergeError {
+    /// A grid is not made like that.
+    #[error(transparent)]
+    Grid(#[from] GridError),
+    /// It would have too many cells.
+    #[error(
+        "the grid would be {width} x {height} cells, expected {most_cells} at most and {MAX_SIDE} on a side; cells of \
+         {fitting} m would do"
+    )]
+    TooLarge {
+        /// Columns.
+        width: usize,
+        /// Rows.
+        height: usize,
+        /// The most cells.
+        most_cells: usize,
+        /// A resolution at which the grid is not too large, little above the finest such.
+        fitting: f64,
+    },
+    /// The caller said so.
+    #[error("it was told to stop")]
+    Interrupted,
+}
+
 /// How much a piece says of a cell, in the units in which it is decided: an obstacle seen once outweighs two looks
 /// through it, as a pose that is a cell off looks through walls.
 const OCCUPIED: i32 = 2;
 const FREE: i32 = -1;
-/// Cells left free around what is known.
+/// Cells left free around what is known, metres.
 const MARGIN: f64 = 0.5;
 
-/// The pieces laid over each other, in cells of `resolution` metres; `None` where nothing is known. A cell is what
-/// the pieces over its middle say. Costs the cells of the rectangle around each piece.
-pub fn merged(pieces: &[Piece<'_>], resolution: f64) -> Result<Option<OccupancyGrid>, GridError> {
+/// The pieces laid over each other; `None` where nothing is known. A cell is what the pieces over its middle say. Costs
+/// the cells of the rectangle around each piece, and five bytes a cell; `interrupted` is asked before each row of each.
+pub fn merged(
+    pieces: &[Piece<'_>],
+    canvas: &Canvas,
+    interrupted: &dyn Fn() -> bool,
+) -> Result<Option<OccupancyGrid>, MergeError> {
     let corners: Vec<Point> = pieces.iter().flat_map(known_corners).collect();
     let Some([low, high]) = bounds(&corners) else { return Ok(None) };
-    let cells = |from: f64, to: f64| ((to - from + 2.0 * MARGIN) / resolution).ceil().max(1.0) as usize;
-    let origin = Pose::new(low.x - MARGIN, low.y - MARGIN, 0.0);
-    let info = GridInfo { resolution, width: cells(low.x, high.x), height: cells(low.y, high.y), origin };
-    OccupancyGrid::check(&info)?;
+    let low = low.map(|v| v - MARGIN);
+    let info = canvas.around(low, high.map(|v| v + MARGIN))?;
     let mut said = vec![0_i32; info.width * info.height];
     for piece in pieces {
-        lay(piece, &info, &mut said);
+        lay(piece, &info, &mut said, interrupted)?;
     }
     let decided = |said: &i32| match said {
         0 => Cell::Unknown,
         1.. => Cell::Occupied,
         _ => Cell::Free,
     };
-    OccupancyGrid::new(info, said.iter().map(decided).collect()).map(Some)
+    Ok(Some(OccupancyGrid::new(info, said.iter().map(decided).collect())?))
 }
 
-fn lay(piece: &Piece<'_>, info: &GridInfo, said: &mut [i32]) {
+impl Canvas {
+    /// Size, scale and place of the grid over a rectangle with these corners, metres.
+    pub fn around(&self, low: Point, high: Point) -> Result<GridInfo, MergeError> {
+        let size = [high.x - low.x, high.y - low.y];
+        let [width, height] = cells(size, self.resolution);
+        let origin = Pose::new(low.x, low.y, 0.0);
+        let info = GridInfo { resolution: self.resolution, width, height, origin };
+        let finite = size.iter().all(|side| side.is_finite()) && self.resolution > 0.0;
+        if finite && !self.holds([width, height]) {
+            let fitting = self.fitting(size);
+            return Err(MergeError::TooLarge { width, height, most_cells: self.most_cells, fitting });
+        }
+        OccupancyGrid::check(&info)?;
+        Ok(info)
+    }
+
+    fn holds(&self, [width, height]: [usize; 2]) -> bool {
+        width.max(height) <= MAX_SIDE && width.saturating_mul(height) <= self.most_cells
+    }
+
+    /// A resolution of two digits at which a rectangle of so many metres is not too large.
+    fn fitting(&self, size: [f64; 2]) -> f64 {
+        let most = self.most_cells.max(1) as f64;
+        let least = (size[0] * size[1] / most).sqrt().max(size[0].max(size[1]) / MAX_SIDE as f64);
+        // Two digits: so many parts of a metre, or so many metres.
+        let parts = 10_f64.powf(1.0 - least.log10().floor());
+        let mut count = (least * parts).ceil();
+        while !self.holds(cells(size, count / parts)) && count < f64::MAX {
+            // A long strip is a few cells high at most, whatever their size.
+            count = (count * 1.01).ceil();
+        }
+        count / parts
+    }
+}
+
+/// Columns and rows of a grid of so many metres.
+fn cells(size: [f64; 2], resolution: f64) -> [usize; 2] {
+    size.map(|side| (side / resolution).ceil().max(1.0) as usize)
+}
+
+fn lay(
+    piece: &Piece<'_>,
+    info: &GridInfo,
+    said: &mut [i32],
+    interrupted: &dyn Fn() -> bool,
+) -> Result<(), MergeError> {
     let corners: Vec<Point> = known_corners(piece).collect();
-    let Some([low, high]) = bounds(&corners) else { return };
+    let Some([low, high]) = bounds(&corners) else { return Ok(()) };
     let grid_from_merged = piece.pose.inverse().compose(&info.origin);
     let span = |low: f64, high: f64, origin: f64, cells: usize| {
         let at = |v: f64| ((v - origin) / info.resolution).clamp(0.0, cells as f64) as usize;
         at(low)..(at(high) + 1).min(cells)
     };
     for y in span(low.y, high.y, info.origin.y, info.height) {
+        if interrupted() {
+            return Err(MergeError::Interrupted);
+        }
         for x in span(low.x, high.x, info.origin.x, info.width) {
             let middle = Point::new(x as f64 + 0.5, y as f64 + 0.5) * info.resolution;
             let there = piece.grid.info().cell_at(&grid_from_merged.transform_point(&middle));
@@ -59,6 +145,7 @@ fn lay(piece: &Piece<'_>, info: &GridInfo, said: &mut [i32]) {
             };
         }
     }
+    Ok(())
 }
 
 /// The corners, in the patchwork, of the rectangle of known cells of a piece.
@@ -106,7 +193,7 @@ mod tests {
             let grids: Vec<OccupancyGrid> = cells.iter().map(|(cells, ..)| grid(cells, 5, 0.4)).collect();
             let pieces: Vec<Piece<'_>> = grids.iter().zip(&cells)
                 .map(|(grid, &(_, x, y, theta))| Piece { grid, pose: Pose::new(x, y, theta) }).collect();
-            let Some(all) = merged(&pieces, resolution).unwrap() else {
+            let Some(all) = merged(&pieces, &whole(resolution), &|| false).unwrap() else {
                 prop_assert!(cells.iter().all(|(cells, ..)| cells.iter().all(|cell| *cell == 0)));
                 return Ok(());
             };
@@ -134,6 +221,14 @@ mod tests {
         }
     }
 
+    fn whole(resolution: f64) -> Canvas {
+        Canvas { resolution, most_cells: MAX_SIDE * MAX_SIDE }
+    }
+
+    fn rejected(pieces: &[Piece<'_>], canvas: &Canvas) -> MergeError {
+        merged(pieces, canvas, &|| false).unwrap_err()
+    }
+
     #[test]
     fn what_is_too_large_is_refused() {
         let one = grid(&[2; 20], 5, 0.4);
@@ -141,9 +236,37 @@ mod tests {
             Piece { grid: &one, pose: Pose::IDENTITY },
             Piece { grid: &one, pose: Pose::new(1e6, 0.0, 0.0) },
         ];
-        assert!(merged(&far, 0.05).is_err());
-        assert_eq!(merged(&[], 0.05), Ok(None));
+        assert!(matches!(rejected(&far, &whole(0.05)), MergeError::TooLarge { height: 1..1000, .. }));
+        assert_eq!(merged(&[], &whole(0.05), &|| false), Ok(None));
         let nowhere = [Piece { grid: &one, pose: Pose { x: f64::NAN, ..Pose::IDENTITY } }];
-        assert!(merged(&nowhere, 0.05).is_err() || merged(&nowhere, 0.05) == Ok(None));
+        let nothing = merged(&nowhere, &whole(0.05), &|| false);
+        assert!(nothing.is_err() || nothing == Ok(None));
+        assert!(matches!(rejected(&far[..1], &whole(0.0)), MergeError::Grid(_)));
+    }
+
+    #[test]
+    fn merging_stops_when_told_to() {
+        let one = grid(&[2; 20], 5, 0.4);
+        let pieces = [Piece { grid: &one, pose: Pose::IDENTITY }];
+        assert_eq!(merged(&pieces, &whole(0.05), &|| true), Err(MergeError::Interrupted));
+    }
+
+    proptest! {
+        /// The resolution named is not too large, and hardly coarser than need be.
+        #[test]
+        fn where_a_grid_is_too_large_another_resolution_is_named(
+            (x, y) in (0.0..500.0f64, 0.0..500.0f64),
+            resolution in 0.001..0.1f64,
+            most_cells in 400..1_000_000_usize,
+        ) {
+            let one = grid(&[2; 20], 5, 0.4);
+            let pieces = [Pose::IDENTITY, Pose::new(x, y, 0.0)].map(|pose| Piece { grid: &one, pose });
+            let Err(error) = merged(&pieces, &Canvas { resolution, most_cells }, &|| false) else { return Ok(()) };
+            let MergeError::TooLarge { fitting, .. } = error else { return Err(TestCaseError::fail("another error")) };
+            let fits = merged(&pieces, &Canvas { resolution: fitting, most_cells }, &|| false).is_ok();
+            prop_assert!(fits);
+            let finer = Canvas { resolution: fitting * 0.8, most_cells };
+            prop_assert!(merged(&pieces, &finer, &|| false).is_err(), "{fitting}");
+        }
     }
 }

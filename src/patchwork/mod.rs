@@ -1,56 +1,23 @@
 //! The patchwork: local frames relaxed into one, so that the strain at their joints is least (seed, section 2.3).
 //!
-//! A [`PoseGraph`] holds frames as poses, and what was measured between them as edges with information. [`relax()`] gives
-//! the poses of least strain, which is the most likely layout where errors are normal (Lu and Milios 1997). It never
-//! gives up with an error: the [`Relaxation`] says how it ended, which parts hang together, which poses were held and
-//! which nothing determines. [`Patchwork`] does the same for a graph that grows.
-//!
-//! The way of a relaxation: `problem` makes arrays of the edges; `structure` finds an order of elimination on poses, not
-//! on numbers; `system` holds the normal equations and has faer factorise them; `start` finds headings and positions
-//! that owe nothing to the guesses; `descent` goes down from the cheaper of guesses and that start. The order of
-//! elimination and the symbolic analysis are made once.
-//!
-//! The gauge is fixed by holding poses where they are: those that the graph says, else the first of each part.
+//! [`pose_graph`] is the solver. What stands beside it makes graphs of what a robot saw and did, for it to relax: of a
+//! trace, [`survey`] tells the frames and the travels, [`agreement`] lays the LPMs of two visits to one place onto each
+//! other, [`local_frames`] relaxes a candidate map, and [`ties`] says which of several is strained least; of a log, [`drive`]
+//! keeps the way and [`assembly`] closes it. Walls are laid onto walls by [`submap`] and [`alignment`]. [`merged`] makes
+//! one grid of many.
 
 pub mod agreement;
 pub mod alignment;
 pub mod assembly;
-mod blocks;
-mod descent;
 pub mod drive;
-pub mod format;
-mod graph;
-mod growing;
 pub mod local_frames;
-mod loss;
 pub mod merged;
-mod parts;
-mod problem;
-mod relax;
-mod singular;
-mod start;
-mod strain;
-mod structure;
+pub mod pose_graph;
 pub mod submap;
 pub mod survey;
-mod system;
+pub mod ties;
 
-pub use graph::{Edge, GraphError, MAX_POSES, PoseGraph, PoseId};
-pub use growing::{Patchwork, Update};
-pub use loss::Loss;
-pub use relax::{Outcome, Part, RelaxOptions, Relaxation, Relaxer, Start, Trial, relax};
-pub use strain::Strain;
-
-/// Why a graph cannot be relaxed at all.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum RelaxError {
-    /// The factor has more entries than memory or 32 bits hold.
-    #[error("there is not enough memory for the normal equations; relax the graph in parts")]
-    Memory,
-    /// What was added to one graph is refused by another: never, as both ask the same.
-    #[error(transparent)]
-    Graph(#[from] GraphError),
-}
-
-#[cfg(test)]
-mod tests;
+pub use pose_graph::{
+    Edge, GraphError, Loss, MAX_POSES, Outcome, Part, Patchwork, PoseGraph, PoseId, RelaxError, RelaxOptions,
+    Relaxation, Relaxer, Start, Strain, Trial, Update, format, relax, relax_until,
+};

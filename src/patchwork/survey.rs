@@ -1,77 +1,154 @@
 //! What a trace tells the patchwork: a frame for each observation, what was measured between them, and what was seen
 //! around each.
 
+use crate::abduction::Assignment;
 use crate::geometry::{Point, Pose};
-use crate::grid::{GridError, OccupancyGrid};
+use crate::grid::OccupancyGrid;
 use crate::lpm::Lpm;
-use crate::metric::Measurements;
+use crate::metric::{Measurements, MetricParameters};
 use crate::patchwork::agreement::Neighbourhood;
-use crate::patchwork::local_frames::Displacement;
-use crate::patchwork::merged::{Piece, merged};
+use crate::patchwork::local_frames::{Agreements, Displacement, LocalFrames, LocalFramesError};
+use crate::patchwork::merged::{Canvas, MergeError, Piece, merged};
 use crate::star::PerceptionParameters;
 use crate::trace::perceive::perceive;
-use crate::trace::{Event, EventKind, Experience, ExperienceError, Percept};
+use crate::trace::{Event, EventKind, Experience, ExperienceError, Percept, Sighting};
+use std::sync::Arc;
 
 /// What a trace tells the patchwork. Frames have the axes of the observation and their origin at the point of the place.
+///
+/// An immutable value: [`Survey::with`] gives another one, which shares all that was seen with it, at the cost of a
+/// pointer an observation. Walls are looked for only where a candidate needs them.
 #[derive(Clone, Debug, Default)]
 pub struct Survey {
-    /// The travel to each observation as measured.
-    pub travels: Vec<Option<Displacement>>,
-    /// What each shows.
-    pub visits: Vec<Neighbourhood>,
-    /// The point of the place in the frame of each observation, and the grid there, if it came as one.
-    grids: Vec<(Point, Option<OccupancyGrid>)>,
+    measurements: Measurements,
+    seen: Vec<Arc<Seen>>,
+}
+
+/// One observation.
+#[derive(Debug)]
+struct Seen {
+    event: Arc<Event>,
+    /// The point of the place in the frame of the observation.
+    point: Point,
+    /// Outward bearings of the slots of the star.
+    bearings: Vec<Option<f64>>,
 }
 
 impl Survey {
     /// Of the events of a trace. Costs a description of each LPM.
-    pub fn of<'a>(events: impl IntoIterator<Item = &'a Event>) -> Result<Survey, ExperienceError> {
+    pub fn of<'a>(events: impl IntoIterator<Item = &'a Arc<Event>>) -> Result<Survey, ExperienceError> {
         let describe = |lpm: &Lpm, first| perceive(lpm, first, &PerceptionParameters::default());
         let mut experience = Experience::new();
-        let mut measured = Measurements::default();
         let mut survey = Survey::default();
         for event in events {
-            let Some(sighting) = experience.accept(event, &describe)? else { continue };
-            measured = measured.with(&sighting);
-            let bearings = sighting.star.slots().iter().map(|slot| slot.bearing).collect();
-            let lpm = lpm(event);
-            survey.visits.push(match lpm {
-                Some(lpm) => Neighbourhood::new(lpm, &sighting.middle, bearings),
-                None => Neighbourhood::of_star(bearings),
-            });
-            survey.grids.push((sighting.middle, lpm.map(|lpm| lpm.grid.clone())));
+            if let Some(sighting) = experience.accept(event, &describe)? {
+                survey = survey.with(event, &sighting);
+            }
         }
-        survey.travels = measured.displacements();
         Ok(survey)
+    }
+
+    /// The same and one more observation: the event, and what it told.
+    #[must_use]
+    pub fn with(&self, event: &Arc<Event>, sighting: &Sighting) -> Survey {
+        let seen = Seen {
+            event: Arc::clone(event),
+            point: sighting.middle,
+            bearings: sighting.star.slots().iter().map(|slot| slot.bearing).collect(),
+        };
+        Survey {
+            measurements: self.measurements.with(sighting),
+            seen: self.seen.iter().cloned().chain([Arc::new(seen)]).collect(),
+        }
+    }
+
+    /// How many observations there are.
+    pub fn len(&self) -> usize {
+        self.seen.len()
+    }
+
+    /// Whether there is no observation.
+    pub fn is_empty(&self) -> bool {
+        self.seen.is_empty()
+    }
+
+    /// What was measured, as the axioms take it.
+    pub fn measurements(&self) -> &Measurements {
+        &self.measurements
     }
 
     /// Whether any travel was measured.
     pub fn is_measured(&self) -> bool {
-        self.travels.iter().any(Option::is_some)
+        self.measurements.any() && self.measurements.displacements().iter().any(Option::is_some)
+    }
+
+    /// Whether any observation came as a grid.
+    pub fn has_grids(&self) -> bool {
+        self.seen.iter().any(|seen| seen.lpm().is_some())
+    }
+
+    /// The travel to each observation as measured.
+    pub fn travels(&self) -> Vec<Option<Displacement>> {
+        self.measurements.displacements()
     }
 
     /// The point of the place in the frame of an observation, metres.
     pub fn point(&self, observation: usize) -> Option<Point> {
-        Some(self.grids.get(observation)?.0)
+        Some(self.seen.get(observation)?.point)
     }
 
-    /// All grids laid over each other, with the frames of the observations in these poses, in cells of so many metres;
-    /// `None` where the trace has none.
-    pub fn grid(&self, poses: &[Pose], resolution: f64) -> Result<Option<OccupancyGrid>, GridError> {
-        let mut found: Vec<(&OccupancyGrid, Pose)> = Vec::new();
-        for ((point, grid), pose) in self.grids.iter().zip(poses) {
-            let back = Pose::new(-point.x, -point.y, 0.0);
-            found.extend(grid.iter().map(|grid| (grid, pose.compose(&back))));
-        }
-        let pieces: Vec<Piece<'_>> = found.iter().map(|&(grid, pose)| Piece { grid, pose }).collect();
-        merged(&pieces, resolution)
+    /// What an observation shows of its place. Costs the cells of its LPM.
+    pub fn neighbourhood(&self, observation: usize) -> Option<Neighbourhood> {
+        let Seen { point, bearings, .. } = self.seen.get(observation)?.as_ref();
+        Some(match self.seen[observation].lpm() {
+            Some(lpm) => Neighbourhood::new(lpm, point, bearings.clone()),
+            None => Neighbourhood::of_star(bearings.clone()),
+        })
+    }
+
+    /// What its observations show of each other, with the bounds of the measured axioms.
+    pub fn agreements(&self) -> Agreements<'_> {
+        let MetricParameters { extent_sigma, bearing_sigma, .. } = MetricParameters::default();
+        Agreements::new(|observation| self.neighbourhood(observation), [extent_sigma, bearing_sigma])
+    }
+
+    /// A candidate relaxed; `agreements` are those of this survey. Stops where `interrupted` says so.
+    pub fn relax(
+        &self,
+        candidate: &[Assignment],
+        agreements: &mut Agreements<'_>,
+        interrupted: &dyn Fn() -> bool,
+    ) -> Result<LocalFrames, LocalFramesError> {
+        let closures = agreements.closures(candidate, interrupted)?;
+        LocalFrames::relax(&self.travels(), closures, interrupted)
+    }
+
+    /// The grids of all observations that hang together with the first, laid over each other with the frames as they lie;
+    /// `None` where there are none.
+    pub fn grid(
+        &self,
+        frames: &LocalFrames,
+        canvas: &Canvas,
+        interrupted: &dyn Fn() -> bool,
+    ) -> Result<Option<OccupancyGrid>, MergeError> {
+        let placed = self.seen.iter().zip(&frames.poses).zip(&frames.parts);
+        let pieces: Vec<Piece<'_>> = placed
+            .filter(|(_, part)| **part == 0)
+            .filter_map(|((seen, pose), _)| {
+                let back = Pose::new(-seen.point.x, -seen.point.y, 0.0);
+                Some(Piece { grid: &seen.lpm()?.grid, pose: pose.compose(&back) })
+            })
+            .collect();
+        merged(&pieces, canvas, interrupted)
     }
 }
 
-fn lpm(event: &Event) -> Option<&Lpm> {
-    let EventKind::Observation(seen) = &event.kind else { return None };
-    match &seen.percept {
-        Percept::Lpm(lpm) => Some(lpm),
-        Percept::Star { .. } | Percept::View(_) => None,
+impl Seen {
+    fn lpm(&self) -> Option<&Lpm> {
+        let EventKind::Observation(seen) = &self.event.kind else { return None };
+        match &seen.percept {
+            Percept::Lpm(lpm) => Some(lpm),
+            Percept::Star { .. } | Percept::View(_) => None,
+        }
     }
 }

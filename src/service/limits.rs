@@ -21,6 +21,10 @@ pub struct Limits {
     pub steps_per_map: u64,
     /// How long that search may take for one request; the next request to the map goes on with it.
     pub settling: Duration,
+    /// Cells of a grid that is answered with.
+    pub cells_per_answer: usize,
+    /// How long the relaxation of a candidate and the making of its grid may take.
+    pub patchwork_time: Duration,
     /// Bytes of a configuration.
     pub config_bytes: usize,
     /// Bytes of a JSON body of events. An NDJSON body is bounded by its lines only.
@@ -54,6 +58,8 @@ impl Default for Limits {
             memory_per_map: 256 * 1024 * 1024,
             steps_per_map: 100_000,
             settling: Duration::from_secs(10),
+            cells_per_answer: 8 * 1024 * 1024,
+            patchwork_time: Duration::from_secs(20),
             config_bytes: 64 * 1024,
             json_bytes: 64 * 1024 * 1024,
             line_bytes: MAX_LINE as usize,

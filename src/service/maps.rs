@@ -19,6 +19,8 @@ pub struct Maps {
     /// Apart, so that a read never waits for a search.
     searches: Workers,
     reads: Workers,
+    /// Apart too: what may take long holds up neither.
+    patchworks: Workers,
 }
 
 /// Why the service cannot do what was asked of a map.
@@ -50,8 +52,8 @@ struct LiveMap {
 impl Maps {
     /// The maps of a store.
     pub fn new(store: Arc<dyn Store>, limits: Limits) -> Self {
-        let (searches, reads) = (Workers::default(), Workers::default());
-        Maps { store, limits, live: Arc::default(), searches, reads }
+        let [searches, reads, patchworks] = std::array::from_fn(|_| Workers::default());
+        Maps { store, limits, live: Arc::default(), searches, reads, patchworks }
     }
 
     /// The bounds they keep.
@@ -87,6 +89,15 @@ impl Maps {
         work: impl FnOnce() -> T + Send + 'static,
     ) -> Result<T, MapsError> {
         Ok(self.reads.run(work).await?)
+    }
+
+    /// Relaxes a candidate and what follows from that, away from the async workers. The work is told to stop when nobody
+    /// waits for it any more, and after the time that the limits leave it.
+    pub async fn lay_out<T: Send + 'static>(
+        &self,
+        work: impl FnOnce(&dyn Fn() -> bool) -> T + Send + 'static,
+    ) -> Result<T, MapsError> {
+        Ok(self.patchworks.run_while_wanted(self.limits.patchwork_time, work).await?)
     }
 
     /// While the work runs the session is out of its place: a panic leaves none rather than half of one.

@@ -1,6 +1,8 @@
 //! Every error as a problem document (RFC 9457). The only file that decides statuses.
 
 use crate::abduction::Extinction;
+use crate::patchwork::local_frames::LocalFramesError;
+use crate::patchwork::merged::MergeError;
 use crate::service::{Fault, IntakeError, MapNameError, MapsError, Position, SessionError, StoreError};
 use crate::trace::EventError;
 use axum::Json;
@@ -13,11 +15,11 @@ use utoipa::ToSchema;
 pub const PROBLEM_JSON: &str = "application/problem+json";
 
 /// What went wrong and how to mend it. Boxed, as results carry it.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Problem(Box<ProblemDocument>);
 
 /// What went wrong and how to mend it. Fields that do not apply are left out.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, ToSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 #[schema(as = Problem)]
 pub struct ProblemDocument {
     /// Names the kind of problem: `/problems/` and the code.
@@ -58,6 +60,12 @@ pub struct ProblemDocument {
     /// The axioms that refuted the last candidates.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub axioms: Option<Vec<&'static str>>,
+    /// The columns and rows that the grid would have.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub size: Option<[usize; 2]>,
+    /// A resolution at which the grid would not be too large, metres.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fitting: Option<f64>,
 }
 
 /// The kinds of problem.
@@ -79,6 +87,14 @@ pub enum ProblemKind {
     NoObservation,
     /// No map is consistent with the events.
     NoConsistentMap,
+    /// The trace has not what a patchwork is made of.
+    NotMeasured,
+    /// None of the media types that the client takes.
+    NotAcceptable,
+    /// The grid asked for is too large.
+    GridTooLarge,
+    /// The work was ended after the time it may take.
+    OutOfTime,
     /// The resource does not have the method.
     MethodNotAllowed,
     /// Events are missing.
@@ -120,6 +136,12 @@ impl ProblemKind {
             UnknownCandidate => (StatusCode::NOT_FOUND, "unknown-candidate", "There is no such candidate"),
             NoObservation => (StatusCode::NOT_FOUND, "no-observation", "The map has no observation yet"),
             NoConsistentMap => (StatusCode::NOT_FOUND, "no-consistent-map", "No map explains the events"),
+            NotMeasured => (StatusCode::NOT_FOUND, "not-measured", "There is nothing to make a patchwork of"),
+            NotAcceptable => (StatusCode::NOT_ACCEPTABLE, "not-acceptable", "No form of it is acceptable"),
+            GridTooLarge => {
+                (StatusCode::UNPROCESSABLE_ENTITY, "grid-too-large", "The grid would be too large")
+            }
+            OutOfTime => (StatusCode::SERVICE_UNAVAILABLE, "out-of-time", "It takes too long"),
             MethodNotAllowed => (
                 StatusCode::METHOD_NOT_ALLOWED,
                 "method-not-allowed",
@@ -168,6 +190,8 @@ impl Problem {
             accepted_through: None,
             observation: None,
             axioms: None,
+            size: None,
+            fitting: None,
         }))
     }
 
@@ -192,6 +216,13 @@ impl Problem {
             document.observation = Some(extinction.observation);
             document.axioms = Some(axioms);
         })
+    }
+
+    /// The problem of a patchwork that took too long.
+    pub fn out_of_time() -> Problem {
+        let detail = "the patchwork was not finished in the time it may take; a grid in coarser cells is made faster, and a \
+                      graph without poses is made at once";
+        Problem::new(ProblemKind::OutOfTime, detail)
     }
 
     /// The problem of an event that was not taken by a map which expects `next_seq`.
@@ -247,6 +278,34 @@ impl From<MapsError> for Problem {
             }
         };
         Problem::new(kind, error.to_string())
+    }
+}
+
+impl From<LocalFramesError> for Problem {
+    fn from(error: LocalFramesError) -> Problem {
+        match error {
+            LocalFramesError::Interrupted => Problem::out_of_time(),
+            // Measurements are checked when they are taken.
+            LocalFramesError::Graph(_) | LocalFramesError::Relax(_) => {
+                Problem::new(ProblemKind::Internal, error.to_string())
+            }
+        }
+    }
+}
+
+impl From<MergeError> for Problem {
+    fn from(error: MergeError) -> Problem {
+        let detail = error.to_string();
+        match error {
+            MergeError::TooLarge { width, height, fitting, .. } => {
+                Problem::new(ProblemKind::GridTooLarge, detail).with(|document| {
+                    document.size = Some([width, height]);
+                    document.fitting = Some(fitting);
+                })
+            }
+            MergeError::Interrupted => Problem::out_of_time(),
+            MergeError::Grid(_) => Problem::new(ProblemKind::Internal, detail),
+        }
     }
 }
 

@@ -5,7 +5,7 @@
 
 use crate::abduction::{self, Abduction, Assertion, Revisable, Strategy, Visit, VisitError, WordError};
 use crate::lpm::Lpm;
-use crate::metric::Measurements;
+use crate::patchwork::survey::Survey;
 use crate::service::{Limits, MapConfig};
 use crate::star::PerceptionParameters;
 use crate::trace::perceive::perceive;
@@ -20,7 +20,7 @@ pub struct Session {
     limits: Limits,
     experience: Experience,
     abduction: Revisable,
-    measurements: Measurements,
+    survey: Arc<Survey>,
     events: Vec<Arc<Event>>,
     cells: usize,
 }
@@ -84,7 +84,7 @@ impl Session {
             limits,
             experience: Experience::new(),
             abduction: Revisable::new(abduction),
-            measurements: Measurements::default(),
+            survey: Arc::default(),
             events: Vec::new(),
             cells: 0,
         }
@@ -115,9 +115,9 @@ impl Session {
             }
             (&EventKind::Retract { assert }, _) => self.abduction.retract(assert)?,
             (_, Some(sighting)) => {
-                let measurements = self.measurements.with(&sighting);
-                self.abduction.observe(&Visit::from(&sighting), measurements.evidence())?;
-                self.measurements = measurements;
+                let survey = self.survey.with(event, &sighting);
+                self.abduction.observe(&Visit::from(&sighting), survey.measurements().evidence())?;
+                self.survey = Arc::new(survey);
             }
             (_, None) => {}
         }
@@ -147,6 +147,11 @@ impl Session {
     /// What explains the events so far.
     pub fn abduction(&self) -> &Abduction {
         &self.abduction
+    }
+
+    /// What the events tell the patchwork.
+    pub fn survey(&self) -> &Arc<Survey> {
+        &self.survey
     }
 
     fn known(&self, event: &Event) -> Result<Accepted, SessionError> {

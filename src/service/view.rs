@@ -1,8 +1,11 @@
 //! What readers see of a map: a snapshot that no running search holds up.
 
-use crate::abduction::{Abduction, Report};
+use crate::abduction::{Abduction, Assignment, Report};
+use crate::export::Ties;
+use crate::patchwork::local_frames::{Agreements, Known, LocalFrames, LocalFramesError};
+use crate::patchwork::survey::Survey;
 use crate::service::{MapConfig, Session};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// A map after some of its events.
 #[derive(Clone, Debug)]
@@ -15,6 +18,22 @@ pub struct View {
     pub abduction: Abduction,
     /// What it has found.
     pub report: Arc<Report>,
+    /// What the events tell the patchwork.
+    pub survey: Arc<Survey>,
+    /// The same report once the simplest maps are in order.
+    ranked: Arc<OnceLock<Ranked>>,
+    /// What visits show of each other, as far as it was asked of this view or another of the map: most of the work, and the
+    /// same however the map grows.
+    known: Arc<Mutex<Known>>,
+}
+
+/// What was found, the simplest maps in the order of their strain where that can be told.
+#[derive(Clone, Debug)]
+pub struct Ranked {
+    /// What was found. Its first simplest map is the preferred one.
+    pub report: Report,
+    /// What told the simplest maps apart, where there are several and travels were measured.
+    pub ties: Option<Ties>,
 }
 
 impl View {
@@ -26,9 +45,13 @@ impl View {
     /// What the session of this view shows now. Only an observation, an operator's word, or a search that went on where
     /// it was interrupted changes what is found.
     pub fn next(&self, session: &Session) -> View {
+        let known = Arc::clone(&self.known);
         match self.finds_what(session) {
-            true => View::with_report(session, Arc::clone(&self.report)),
-            false => View::of(session),
+            true => {
+                let (report, ranked) = (Arc::clone(&self.report), Arc::clone(&self.ranked));
+                View { ranked, known, ..View::with_report(session, report) }
+            }
+            false => View { known, ..View::of(session) },
         }
     }
 
@@ -44,8 +67,52 @@ impl View {
             && now.settlement() == shown.settlement()
     }
 
+    /// Relaxes a candidate of the map. Stops where `interrupted` says so, and the next to ask finds what was done by then.
+    pub fn relax(
+        &self,
+        candidate: &[Assignment],
+        interrupted: &dyn Fn() -> bool,
+    ) -> Result<LocalFrames, LocalFramesError> {
+        self.agreeing(|agreements| self.survey.relax(candidate, agreements, interrupted))
+    }
+
+    /// Does something that asks what visits show of each other, and remembers what they do.
+    fn agreeing<T>(&self, something: impl FnOnce(&mut Agreements<'_>) -> T) -> T {
+        let known = self.known().clone();
+        let mut agreements = self.survey.agreements().knowing(known);
+        let done = something(&mut agreements);
+        self.known().extend(agreements.into_known());
+        done
+    }
+
+    /// What is remembered is added pair by pair, each of which is right whatever became of the others.
+    fn known(&self) -> MutexGuard<'_, Known> {
+        self.known.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// What was found, with the simplest maps in order. The first to ask relaxes those that tie, a bounded number
+    /// ([`crate::patchwork::ties`]): belongs to a worker.
+    pub fn ranked(&self) -> &Ranked {
+        self.ranked.get_or_init(|| {
+            let mut report = Report::clone(&self.report);
+            // Measurements that cannot be relaxed do not tell the maps apart.
+            let rank = |agreements: &mut Agreements<'_>| {
+                Ties::rank(&mut report, &self.survey, agreements, &|| false)
+            };
+            let ties = self.agreeing(rank).ok().flatten();
+            Ranked { report, ties }
+        })
+    }
+
     fn with_report(session: &Session, report: Arc<Report>) -> View {
-        let (config, next_seq) = (session.config(), session.next_seq());
-        View { config, next_seq, abduction: session.abduction().for_readers(), report }
+        View {
+            config: session.config(),
+            next_seq: session.next_seq(),
+            abduction: session.abduction().for_readers(),
+            report,
+            survey: Arc::clone(session.survey()),
+            ranked: Arc::default(),
+            known: Arc::default(),
+        }
     }
 }

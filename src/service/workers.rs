@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 use std::thread::available_parallelism;
+use std::time::{Duration, Instant};
 use thiserror::Error;
-use tokio::sync::Semaphore;
+use tokio::sync::{Semaphore, oneshot};
 
 /// A bound on the computations that run at once. Others wait for their turn, first come, first served.
 #[derive(Clone, Debug)]
@@ -36,5 +37,69 @@ impl Workers {
             result
         };
         tokio::task::spawn_blocking(run).await.map_err(|_| Interrupted)
+    }
+
+    /// Runs work that may be told to stop, by what it is given to ask: when nobody waits for it any more, as the client has
+    /// gone, or when it has run for so long. Work that nobody waits for before its turn is not begun.
+    pub async fn run_while_wanted<T: Send + 'static>(
+        &self,
+        longest: Duration,
+        work: impl FnOnce(&dyn Fn() -> bool) -> T + Send + 'static,
+    ) -> Result<T, Interrupted> {
+        // Nothing is sent: the one end notices when the other is dropped, with the future that waits here.
+        let (wanted, _waiting) = oneshot::channel::<()>();
+        let work = move || {
+            let begun = Instant::now();
+            work(&|| wanted.is_closed() || begun.elapsed() >= longest)
+        };
+        self.run(work).await
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::mpsc;
+
+    const SOON: Duration = Duration::from_secs(60);
+
+    fn one() -> Workers {
+        Workers { free: Arc::new(Semaphore::new(1)) }
+    }
+
+    /// Work that runs until it is told to stop, and says that it has begun and ended.
+    fn endless(said: &mpsc::Sender<&'static str>) -> impl FnOnce(&dyn Fn() -> bool) + Send + 'static {
+        let said = said.clone();
+        move |interrupted| {
+            said.send("begun").unwrap();
+            while !interrupted() {
+                std::thread::yield_now();
+            }
+            said.send("ended").unwrap();
+        }
+    }
+
+    #[tokio::test(flavor = "multi_thread")]
+    async fn work_that_nobody_waits_for_is_told_to_stop() {
+        let (workers, (said, heard)) = (one(), mpsc::channel());
+        let (busy, work) = (workers.clone(), endless(&said));
+        let waiting = tokio::spawn(async move { busy.run_while_wanted(Duration::MAX, work).await });
+        assert_eq!(heard.recv_timeout(SOON), Ok("begun"));
+        // It has no turn yet, and is never begun.
+        let (busy, work) = (workers.clone(), endless(&said));
+        let queued = tokio::spawn(async move { busy.run_while_wanted(Duration::MAX, work).await });
+        queued.abort();
+        assert!(queued.await.is_err());
+        waiting.abort();
+        assert_eq!(heard.recv_timeout(SOON), Ok("ended"));
+        assert_eq!(workers.run(|| 7).await, Ok(7));
+        assert!(heard.try_recv().is_err());
+    }
+
+    #[tokio::test(flavor = "multi_thread")]
+    async fn work_that_takes_too_long_is_told_to_stop() {
+        let (said, heard) = mpsc::channel();
+        one().run_while_wanted(Duration::from_millis(20), endless(&said)).await.unwrap();
+        assert_eq!(heard.iter().take(2).collect::<Vec<_>>(), ["begun", "ended"]);
     }
 }

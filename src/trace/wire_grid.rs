@@ -157,15 +157,8 @@ impl WireLpm {
     /// The JSON form of an LPM without its robot pose, cells as base64 bytes.
     pub fn from_lpm(Lpm { grid, trail, middle, .. }: &Lpm) -> WireLpm {
         let bytes: Vec<u8> = grid.to_occupancy().iter().map(|&v| v as u8).collect();
-        let info = grid.info();
         WireLpm {
-            info: WireGridInfo {
-                resolution: info.resolution,
-                width: info.width as u64,
-                height: info.height as u64,
-                origin: WireOrigin::from_pose(&info.origin),
-                map_load_time: None,
-            },
+            info: WireGridInfo::of(grid.info()),
             data: None,
             data_b64: Some(STANDARD.encode(bytes)),
             png_b64: None,
@@ -186,6 +179,17 @@ pub(super) fn check_points(points: usize, at: &str) -> Result<(), EventError> {
 }
 
 impl WireGridInfo {
+    /// The JSON form.
+    pub fn of(info: &GridInfo) -> WireGridInfo {
+        WireGridInfo {
+            resolution: info.resolution,
+            width: info.width as u64,
+            height: info.height as u64,
+            origin: WireOrigin::from_pose(&info.origin),
+            map_load_time: None,
+        }
+    }
+
     fn grid_info(&self, at: &str) -> Result<GridInfo, EventError> {
         for (name, side) in [("width", self.width), ("height", self.height)] {
             if !(1..=MAX_POSTED_SIDE).contains(&side) {

@@ -14,6 +14,8 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, missing_docs, reason = "a benchmark may fail")]
 
+#[path = "clock.rs"]
+mod clock;
 #[path = "gateways/maps.rs"]
 #[allow(dead_code, reason = "the pictures are not drawn here")]
 mod maps;
@@ -26,11 +28,8 @@ use serde::Deserialize;
 use serde_json::json;
 use solver::{PYTHON, Solver};
 use std::f64::consts::{FRAC_PI_2, PI};
-use std::fs;
 use std::hint::black_box;
 use std::process::ExitCode;
-use std::sync::OnceLock;
-use std::time::Instant;
 use topostar::geometry::{Point, Pose};
 use topostar::grid::{
     Cell, CellIndex, DistanceField, NodeKind, OccupancyGrid, SkeletonGraph, SkeletonParameters, Surroundings,
@@ -173,7 +172,7 @@ fn compare(rivals: &mut Solver, name: &str, grid: &OccupancyGrid, robot: Option<
         "seconds": SECONDS,
     });
     let answer: Answer = serde_json::from_value(rivals.ask(&request)).unwrap();
-    let ours = mean(|| DistanceField::new(black_box(grid)));
+    let ours = seconds(|| DistanceField::new(black_box(grid)));
     let distance = DistanceField::new(grid);
     let theirs = STANDARD.decode(&answer.distance).unwrap();
     let off = theirs.chunks_exact(4).zip(distance.squared()).map(|(theirs, &ours)| {
@@ -206,8 +205,8 @@ fn compare_skeletons(name: &str, grid: &OccupancyGrid, robot: &Point, rival: &Ri
         SkeletonGraph::new(&skeleton, distance)
     };
     let ours = match rival.name.as_str() {
-        "medial_axis" => mean(|| thin(&DistanceField::new(black_box(grid)))),
-        _ => mean(|| thin(black_box(&distance))),
+        "medial_axis" => seconds(|| thin(&DistanceField::new(black_box(grid)))),
+        _ => seconds(|| thin(black_box(&distance))),
     };
     let graph = thin(&distance).graph;
     let components = petgraph::algo::connected_components(&graph);
@@ -270,25 +269,7 @@ fn to_nearest(grid: &OccupancyGrid, holds: impl Fn(usize) -> bool) -> Vec<f64> {
     field.squared().iter().map(|&squared| f64::from(squared).sqrt()).collect()
 }
 
-/// The mean seconds on the processor that some work takes: they are counted too coarsely for a single run.
-fn mean<T>(mut work: impl FnMut() -> T) -> f64 {
-    let (clock, begun, mut times) = (wall(), processor(), 0);
-    while times == 0 || wall() - clock < SECONDS {
-        black_box(work());
-        times += 1;
-    }
-    (processor() - begun) / f64::from(times)
-}
-
-/// Seconds that this thread has been on a processor, as Linux counts them; elsewhere those of the clock.
-fn processor() -> f64 {
-    let counted = fs::read_to_string("/proc/thread-self/schedstat").ok();
-    let nanoseconds = counted.and_then(|text| text.split(' ').next()?.parse::<f64>().ok());
-    nanoseconds.map_or_else(wall, |nanoseconds| nanoseconds * 1e-9)
-}
-
-/// Seconds by the clock since this was first asked.
-fn wall() -> f64 {
-    static BEGUN: OnceLock<Instant> = OnceLock::new();
-    BEGUN.get_or_init(Instant::now).elapsed().as_secs_f64()
+/// The mean seconds on the processor that some work takes.
+fn seconds<T>(mut work: impl FnMut() -> T) -> f64 {
+    clock::mean(clock::processor, SECONDS, || drop(black_box(work())))
 }

@@ -9,20 +9,21 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, missing_docs, reason = "a benchmark may fail")]
 
+#[path = "clock.rs"]
+mod clock;
 #[path = "../../axioms/solver.rs"]
 mod solver;
 
+use clock::{mean, processor};
 use flate2::read::MultiGzDecoder;
 use nalgebra::Matrix3;
 use serde::Deserialize;
 use serde_json::json;
 use solver::{PYTHON, Solver};
-use std::fs::{self, File};
+use std::fs::File;
 use std::hint::black_box;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
-use std::time::Instant;
 use topostar::geometry::Pose;
 use topostar::patchwork::format::read_graph;
 use topostar::patchwork::{
@@ -102,22 +103,7 @@ fn load(file: &str) -> PoseGraph {
 
 fn recorded(mut gtsam: Option<&mut Solver>) {
     println!("milliseconds of one thread; `over` is the objective against the best known, less one");
-    println!(
-        "{}",
-        row([
-            "graph",
-            "poses",
-            "edges",
-            "solver",
-            "objective",
-            "over",
-            "steps",
-            "set-up",
-            "run",
-            "ratio",
-            "its own"
-        ])
-    );
+    println!("{}", row(HEADS));
     for (file, best) in GRAPHS {
         let graph = load(file);
         compare(file, &graph, best, gtsam.as_deref_mut());
@@ -173,6 +159,9 @@ fn compare(name: &str, graph: &PoseGraph, best: f64, gtsam: Option<&mut Solver>)
     }
 }
 
+const HEADS: [&str; 11] =
+    ["graph", "poses", "edges", "solver", "objective", "over", "steps", "set-up", "run", "ratio", "its own"];
+
 fn row(cells: [&str; 11]) -> String {
     let [a, b, c, d, e, f, g, h, i, j, k] = cells;
     format!("{a:<28} {b:>6} {c:>6} {d:<9} {e:>15} {f:>8} {g:>5} {h:>9} {i:>9} {j:>7} {k:>15}")
@@ -196,19 +185,10 @@ fn request(graph: &PoseGraph, start: &[Pose], method: &str) -> serde_json::Value
 
 fn relaxed(graph: &PoseGraph) -> Ours {
     let options = RelaxOptions::default();
-    let setup = mean_seconds(|| drop(black_box(Relaxer::new(graph, &options).unwrap())));
-    let whole = mean_seconds(|| drop(black_box(relax(graph, &options).unwrap())));
+    let seconds = |work: &dyn Fn()| mean(processor, SECONDS, work);
+    let setup = seconds(&|| drop(black_box(Relaxer::new(graph, &options).unwrap())));
+    let whole = seconds(&|| drop(black_box(relax(graph, &options).unwrap())));
     Ours { answer: relax(graph, &options).unwrap(), setup, relaxing: whole - setup }
-}
-
-/// The system counts a thread's time in ticks, so that only many repetitions tell.
-fn mean_seconds(run: impl Fn()) -> f64 {
-    let (begun, since, mut times) = (processor(), wall(), 0);
-    while times == 0 || wall() - since < SECONDS {
-        run();
-        times += 1;
-    }
-    (processor() - begun) / f64::from(times)
 }
 
 /// How far relaxed poses are from where the robot was, after the rigid motion that brings them nearest.
@@ -278,22 +258,7 @@ fn growing() {
 /// Cost by size, on walks through a city of square blocks.
 fn growth(mut gtsam: Option<&mut Solver>) {
     println!("\ngrowth: random walks through square blocks, loops where the walk crosses itself");
-    println!(
-        "{}",
-        row([
-            "graph",
-            "poses",
-            "edges",
-            "solver",
-            "objective",
-            "over",
-            "steps",
-            "set-up",
-            "run",
-            "ratio",
-            "its own"
-        ])
-    );
+    println!("{}", row(HEADS));
     for size in SIZES {
         compare(&format!("blocks-{size}"), &city(size), f64::NAN, gtsam.as_deref_mut());
     }
@@ -352,17 +317,4 @@ impl Chance {
         let [a, b] = [self.next(), self.next()].map(|n| ((n >> 11) as f64 + 0.5) / (1_u64 << 53) as f64);
         (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
     }
-}
-
-/// Seconds that this thread has been on a processor, as Linux counts them; elsewhere those of the clock.
-fn processor() -> f64 {
-    let counted = fs::read_to_string("/proc/thread-self/schedstat").ok();
-    let nanoseconds = counted.and_then(|text| text.split(' ').next()?.parse::<f64>().ok());
-    nanoseconds.map_or_else(wall, |nanoseconds| nanoseconds * 1e-9)
-}
-
-/// Seconds by the clock since this was first asked.
-fn wall() -> f64 {
-    static BEGUN: OnceLock<Instant> = OnceLock::new();
-    BEGUN.get_or_init(Instant::now).elapsed().as_secs_f64()
 }

@@ -9,20 +9,20 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, missing_docs, reason = "a benchmark may fail")]
 
+#[path = "clock.rs"]
+mod clock;
 #[path = "../../axioms/solver.rs"]
 mod solver;
 #[path = "../../axioms/traces.rs"]
 mod traces;
 
+use clock::{mean, processor, wall};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Deserialize;
 use serde_json::json;
 use solver::{PYTHON, Solver};
-use std::fs;
 use std::hint::black_box;
 use std::process::ExitCode;
-use std::sync::OnceLock;
-use std::time::Instant;
 use topostar::abduction::{Abduction, Assignment, AxiomSet, Limits, Profile, Visit};
 use topostar::export::answer_set::facts;
 use topostar::map::PlaceId;
@@ -96,7 +96,7 @@ impl Question {
         let agree = !told.whole || told.stories(self.visits.len()) == stories(&found, self.preferred);
         let ours = [0, 1].map(|index| {
             let clock = if index == 0 { processor } else { wall };
-            pools[index].install(|| self.mean_seconds(clock))
+            pools[index].install(|| mean(clock, 1.0, || drop(black_box(self.answer()))))
         });
         // What did not come to an end while it told its models may do so where it only counts them.
         let ends = told.whole || clingo.ask(self, 1, false).whole;
@@ -106,15 +106,6 @@ impl Question {
         });
         self.print(&found, ours, theirs, clingo.seconds, &told, agree);
         agree
-    }
-
-    fn mean_seconds(&self, clock: fn() -> f64) -> f64 {
-        let (begun, since, mut times) = (clock(), wall(), 0);
-        while times == 0 || wall() - since < 1.0 {
-            black_box(self.answer());
-            times += 1;
-        }
-        (clock() - begun) / f64::from(times)
     }
 
     fn answer(&self) -> Abduction {
@@ -179,19 +170,6 @@ fn stories(found: &Abduction, preferred: bool) -> Vec<Story> {
         true => found.report().minimal.into_iter().map(|candidate| candidate.visits).collect(),
         false => found.candidates().map(|candidate| candidate.visits).collect(),
     }
-}
-
-/// Seconds that this thread has been on a processor, as Linux counts them; elsewhere those of the clock.
-fn processor() -> f64 {
-    let counted = fs::read_to_string("/proc/thread-self/schedstat").ok();
-    let nanoseconds = counted.and_then(|text| text.split(' ').next()?.parse::<f64>().ok());
-    nanoseconds.map_or_else(wall, |nanoseconds| nanoseconds * 1e-9)
-}
-
-/// Seconds by the clock since this was first asked.
-fn wall() -> f64 {
-    static BEGUN: OnceLock<Instant> = OnceLock::new();
-    BEGUN.get_or_init(Instant::now).elapsed().as_secs_f64()
 }
 
 fn least(mut seconds: impl FnMut() -> f64) -> f64 {

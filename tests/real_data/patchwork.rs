@@ -2,8 +2,23 @@
 
 use crate::data;
 use serde_json::Value;
-use std::fs;
+use std::path::Path;
 use std::process::Command;
+use std::{env, fs};
+
+/// A picture is the one that the README shows, but for the last bits of poses. `UPDATE_GOLDEN=1` rewrites that.
+#[track_caller]
+fn assert_shown(picture: &Path, name: &str) {
+    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds/pictures").join(name);
+    if env::var_os("UPDATE_GOLDEN").is_some() {
+        fs::copy(picture, &golden).unwrap();
+    }
+    let grey = |file: &Path| image::load_from_memory(&fs::read(file).unwrap()).unwrap().into_luma8();
+    let (found, shown) = (grey(picture), grey(&golden));
+    assert_eq!(found.dimensions(), shown.dimensions(), "{name}");
+    let differing = found.pixels().zip(shown.pixels()).filter(|(a, b)| a != b).count();
+    assert!(differing < found.pixels().len() / 1000, "{name}: {differing} pixels differ");
+}
 
 /// A particle filter's errors on the same relations are 0.049 m on the mean, and 0.079 m where loops close.
 #[test]
@@ -51,6 +66,9 @@ fn the_patchwork_of_aces_is_nearer_to_checked_relations_than_a_particle_filter()
         f64::from(high - low) * 0.05
     });
     assert!((40.0..70.0).contains(&x) && (40.0..70.0).contains(&y), "{x} {y}");
+    for name in ["odometry", "patchwork"] {
+        assert_shown(&folder.path().join(format!("{name}.png")), &format!("aces-{name}.png"));
+    }
     let yaml = fs::read_to_string(folder.path().join("patchwork.yaml")).unwrap();
     assert!(yaml.starts_with("image: patchwork.png\n"), "{yaml}");
 }

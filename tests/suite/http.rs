@@ -7,6 +7,7 @@ mod examples;
 mod faults;
 mod hostile;
 mod maps;
+mod patchwork;
 mod reasons;
 mod settled;
 mod sockets;

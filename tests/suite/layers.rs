@@ -100,6 +100,22 @@ fn every_import_goes_upstream() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
+/// The solver knows no place, no map and no scan.
+#[test]
+fn the_solver_of_the_patchwork_knows_poses_alone() {
+    let solver = root().join("src/patchwork/pose_graph");
+    let mut files = 0;
+    for (file, (_, code)) in sources().iter().filter(|(file, _)| file.starts_with(&solver)) {
+        let imports = code.match_indices("crate::").map(|(at, _)| &code[at + "crate::".len()..]);
+        for import in imports {
+            let own = import.starts_with("patchwork::pose_graph::") || import.starts_with("geometry::");
+            assert!(own, "{}: {}", file.display(), import.lines().next().unwrap_or_default());
+        }
+        files += 1;
+    }
+    assert!(files > 10, "the solver was not found");
+}
+
 #[test]
 fn every_file_says_what_it_is() {
     for (file, (_, text)) in sources_with_comments() {

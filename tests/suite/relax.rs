@@ -145,3 +145,37 @@ fn faults_are_told_with_line_and_mend() {
     assert!(text(&output.stdout).contains("--max-iterations is reached"));
     assert_eq!(topostar(&["relax", "/nowhere.g2o"]).status.code(), Some(3));
 }
+
+/// What `map -o` writes of a trace of grids: the patchwork as a picture, as odometry alone has it, and as a graph that this
+/// solver finds nothing to do in.
+#[test]
+fn a_trace_of_grids_is_laid_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let to = folder.path().to_str().unwrap();
+    let trace = topostar(&["world", "office", "--resolution", "0.1"]).stdout;
+    let mapped = fed(&["map", "-", "--json", "-o", to], &trace);
+    assert_eq!(mapped.status.code(), Some(0), "{}", text(&mapped.stderr));
+    let strain = &json(&mapped)["strain"];
+    let written = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+    let size = |name: &str| {
+        let picture = image::load_from_memory(&written(name)).unwrap().into_luma8();
+        let occupied = picture.pixels().filter(|grey| grey.0[0] == 0).count();
+        assert!(occupied > 1000, "{name}: {occupied} occupied cells");
+        [picture.width(), picture.height()].map(|side| f64::from(side) * 0.05)
+    };
+    // 40 m between opposite corridors, and what is seen beyond them.
+    assert!(size("patchwork.png").iter().all(|side| (45.0..90.0).contains(side)));
+    assert_ne!(size("odometry.png"), size("patchwork.png"));
+    assert!(text(&written("patchwork.yaml")).starts_with("image: patchwork.png\n"));
+    let graph = folder.path().join("patchwork.g2o");
+    let relaxed = json(&topostar(&["relax", graph.to_str().unwrap(), "--json"]));
+    assert_eq!((&relaxed["poses"], &relaxed["edges"]), (&15.into(), &20.into()));
+    assert_eq!(relaxed["degrees_of_freedom"], strain["degrees_of_freedom"]);
+    let [found, told] = [&relaxed["objective"], &strain["chi_square"]].map(|value| value.as_f64().unwrap());
+    assert!((found / told - 1.0).abs() < 1e-6, "{found} {told}");
+    // Of stars, which nothing was measured between, there is none.
+    let other = tempfile::tempdir().unwrap();
+    topostar(&["map", "worlds/aces-stars.ndjson", "-o", other.path().to_str().unwrap()]);
+    let names = std::fs::read_dir(other.path()).unwrap().map(|file| file.unwrap().file_name());
+    assert!(names.into_iter().all(|name| !name.to_string_lossy().contains("patchwork")));
+}

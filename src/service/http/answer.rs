@@ -1,4 +1,4 @@
-//! Answers to reads: JSON with a strong ETag.
+//! Answers to reads: with a strong ETag, mostly JSON.
 
 use crate::service::problem::{Problem, ProblemKind};
 use crate::service::{MapName, Maps, View};
@@ -19,8 +19,9 @@ pub(super) async fn read<T: Serialize>(
     Ok(maps.read(read).await??.answer(request))
 }
 
-/// Bytes of JSON and their tag.
+/// Bytes of some media type and their tag.
 pub(super) struct Representation {
+    kind: &'static str,
     bytes: Vec<u8>,
     tag: String,
 }
@@ -31,10 +32,15 @@ impl Representation {
         let bytes = serde_json::to_vec(value).map_err(|error| {
             Problem::new(ProblemKind::Internal, format!("the answer is not JSON: {error}"))
         })?;
+        Ok(Representation::of_bytes("application/json", bytes))
+    }
+
+    /// Bytes of a media type.
+    pub(super) fn of_bytes(kind: &'static str, bytes: Vec<u8>) -> Representation {
         let mut hasher = DefaultHasher::new();
         hasher.write(&bytes);
         let tag = format!("\"{:016x}\"", hasher.finish());
-        Ok(Representation { bytes, tag })
+        Representation { kind, bytes, tag }
     }
 
     /// The answer: not modified, if the client has these bytes.
@@ -43,7 +49,7 @@ impl Representation {
         if self.is_known(request) {
             return (StatusCode::NOT_MODIFIED, tag).into_response();
         }
-        (tag, [(header::CONTENT_TYPE, "application/json")], self.bytes).into_response()
+        (tag, [(header::CONTENT_TYPE, self.kind)], self.bytes).into_response()
     }
 
     fn is_known(&self, request: &HeaderMap) -> bool {

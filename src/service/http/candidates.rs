@@ -3,9 +3,9 @@
 use crate::abduction::Candidate;
 use crate::explanation::{Verdict, verdict};
 use crate::export::{Count, MapGraph, Preferred};
-use crate::service::http::answer::read;
+use crate::service::http::answer::{Representation, read};
 use crate::service::http::cursor::Cursor;
-use crate::service::http::extract::{CandidateName, CandidatePath, MapPath, PageQuery};
+use crate::service::http::extract::{CandidateName, CandidatePath, GraphQuery, MapPath, PageQuery};
 use crate::service::problem::{Problem, ProblemKind};
 use crate::service::{Maps, View};
 use axum::extract::State;
@@ -121,41 +121,58 @@ pub(super) async fn get_preferred(
     MapPath(name): MapPath,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let preferred = |view: &View| Preferred::of(&view.report).ok_or_else(|| none_left(view));
+    let preferred = |view: &View| Preferred::of(&view.ranked().report).ok_or_else(|| none_left(view));
     read(&maps, &name, &headers, preferred).await
 }
 
 /// Read the map of a candidate as a graph.
+///
+/// Where travels were measured, its places and visits have poses, relaxed so that what was measured is strained least, and
+/// it is told what strains them. That may be left out.
 #[utoipa::path(
     get, path = "/v1/maps/{map}/candidates/{candidate}/graph", tag = "maps",
     operation_id = "get_graph",
     params(
         ("map" = String, Path, description = "Name of the map"),
         ("candidate" = String, Path, description = "Position of the candidate, or `preferred`"),
+        GraphQuery,
         ("If-None-Match" = Option<String>, Header, description = "ETag of the answer the client has"),
     ),
     responses(
         (status = 200, description = "Places, paths, path segments and frontier", body = MapGraph,
             headers(("ETag" = String, description = "Changes with the answer"))),
         (status = 304, description = "The answer has not changed"),
+        (status = 400, description = "The query is wrong"),
         (status = 404, description = "No such map or candidate, no observation, or nothing explains the events"),
         (status = 422, description = "The name is not one"),
+        (status = 503, description = "The poses take too long"),
     )
 )]
 pub(super) async fn get_graph(
     State(maps): State<Maps>,
     CandidatePath(name, candidate): CandidatePath,
+    GraphQuery { poses }: GraphQuery,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let graph = move |view: &View| {
-        let position = candidate.position(view)?;
-        let candidate = view.abduction.candidate(position).ok_or_else(|| none_left(view))?;
-        Ok(MapGraph::of(&candidate))
+    let view = maps.view(&name).await?;
+    if !(poses && view.survey.is_measured()) {
+        let graph = move |view: &View| Ok(MapGraph::of(&candidate.find(view)?));
+        return read(&maps, &name, &headers, graph).await;
+    }
+    let graph = move |interrupted: &dyn Fn() -> bool| {
+        let candidate = candidate.find(&view)?;
+        let frames = view.relax(&candidate.visits, interrupted)?;
+        Representation::of(&MapGraph::of(&candidate).with_frames(&candidate, &frames))
     };
-    read(&maps, &name, &headers, graph).await
+    Ok(maps.lay_out(graph).await??.answer(&headers))
 }
 
 impl CandidateName {
+    /// The candidate in a view.
+    pub(super) fn find(self, view: &View) -> Result<Candidate, Problem> {
+        view.abduction.candidate(self.position(view)?).ok_or_else(|| none_left(view))
+    }
+
     /// The position of the candidate in a view.
     pub(super) fn position(self, view: &View) -> Result<usize, Problem> {
         let preferred = preferred(view)?;
@@ -175,7 +192,7 @@ impl CandidateName {
 
 /// The position of the preferred candidate in a view.
 pub(super) fn preferred(view: &View) -> Result<usize, Problem> {
-    let visits = view.report.minimal.first().map(|candidate| &candidate.visits);
+    let visits = view.ranked().report.minimal.first().map(|candidate| &candidate.visits);
     match visits.and_then(|visits| verdict(&view.abduction, visits)) {
         Some(Verdict::Kept(position)) => Ok(position),
         _ => Err(none_left(view)),

@@ -1,12 +1,14 @@
 //! What handlers take from paths and queries; refusals are problems.
 
 use crate::service::MapName;
+use crate::service::http::accept::GridFormat;
 use crate::service::problem::{Problem, ProblemKind};
 use axum::extract::rejection::{PathRejection, QueryRejection};
 use axum::extract::{FromRequestParts, Path, Query};
 use axum::http::request::Parts;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
+use std::ops::RangeInclusive;
 use std::str::FromStr;
 use utoipa::IntoParams;
 
@@ -201,6 +203,64 @@ impl<S: Send + Sync> FromRequestParts<S> for VisitsQuery {
             Problem::new(ProblemKind::InvalidQuery, detail)
         };
         Ok(VisitsQuery { visits: Some(pair.ok_or_else(expected)?) })
+    }
+}
+
+/// What a graph holds.
+#[derive(Clone, Copy, Debug, Deserialize, IntoParams)]
+#[into_params(parameter_in = Query)]
+#[serde(deny_unknown_fields)]
+pub(super) struct GraphQuery {
+    /// Whether with poses and strain, where travels were measured.
+    #[serde(default = "with_poses")]
+    #[param(default = true)]
+    pub(super) poses: bool,
+}
+
+fn with_poses() -> bool {
+    true
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for GraphQuery {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        query(parts, state).await
+    }
+}
+
+/// Sides of cells that may be asked for, metres.
+const RESOLUTIONS: RangeInclusive<f64> = 0.01..=1.0;
+
+/// Which grid.
+#[derive(Clone, Copy, Debug, Deserialize, IntoParams)]
+#[into_params(parameter_in = Query)]
+#[serde(deny_unknown_fields)]
+pub(super) struct GridQuery {
+    /// Side of a cell, metres.
+    #[serde(default = "default_resolution")]
+    #[param(default = 0.05, minimum = 0.01, maximum = 1.0)]
+    pub(super) resolution: f64,
+    /// The form of the answer, in place of the header Accept.
+    #[param(inline)]
+    pub(super) format: Option<GridFormat>,
+}
+
+fn default_resolution() -> f64 {
+    0.05
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for GridQuery {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let query: GridQuery = query(parts, state).await?;
+        if RESOLUTIONS.contains(&query.resolution) {
+            return Ok(query);
+        }
+        let (least, most) = (RESOLUTIONS.start(), RESOLUTIONS.end());
+        let detail = format!("resolution is {}, expected {least} to {most} metres a cell", query.resolution);
+        Err(Problem::new(ProblemKind::InvalidQuery, detail))
     }
 }
 

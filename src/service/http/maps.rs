@@ -34,7 +34,8 @@ pub(super) struct MapState {
 impl MapState {
     fn of(name: &MapName, view: &View) -> MapState {
         let MapConfig { max_candidates, max_memory, .. } = view.config;
-        let report = Report::new(&view.report);
+        let ranked = view.ranked();
+        let report = Report { ties: ranked.ties.clone(), ..Report::new(&ranked.report) };
         MapState { map: name.to_string(), next_seq: view.next_seq, max_candidates, max_memory, report }
     }
 }

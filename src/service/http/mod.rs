@@ -1,5 +1,6 @@
 //! HTTP: resources, methods and media types. Handlers are thin; what they call knows nothing of HTTP.
 
+mod accept;
 mod answer;
 mod body;
 mod candidates;
@@ -8,6 +9,7 @@ mod document;
 mod edge;
 mod events;
 mod extract;
+mod grid;
 mod maps;
 mod process;
 mod reasons;
@@ -92,6 +94,7 @@ fn api() -> OpenApiRouter<Maps> {
         .routes(routes!(candidates::list_candidates))
         .routes(routes!(candidates::get_preferred))
         .routes(routes!(candidates::get_graph))
+        .routes(routes!(grid::get_grid))
         .routes(routes!(reasons::get_explanation))
         .routes(routes!(reasons::get_difference))
         .routes(routes!(reasons::get_tree))

@@ -58,13 +58,16 @@ async fn an_observation_by_grid() {
     assert_eq!((&preferred["dstates"], &preferred["paths"]), (&4.into(), &2.into()));
     let events = [
         r#"{"seq":1,"kind":"turn","heading":0.1}"#.to_owned(),
-        r#"{"seq":2,"kind":"travel","odometry":{"x":9.0,"y":0.0,"theta":0.0}}"#.to_owned(),
+        r#"{"seq":2,"kind":"travel","odometry":{"x":9.0,"y":0.0,"theta":0.0},"covariance":[0.01,0,0,0,0.01,0,0,0,0.001]}"#.to_owned(),
         first.replace("\"seq\": 0", "\"seq\": 3"),
     ];
     let posted = client.post("crossing", JSON, format!("[{}]", events.join(","))).await;
     assert_eq!(posted.json()["next_seq"], 4, "{}", posted.json());
     let preferred = client.get("/v1/maps/crossing/candidates/preferred").await.json();
     assert_eq!((&preferred["segments"], &preferred["visits"]), (&1.into(), &serde_json::json!([0, 1])));
+    let candidate = "/v1/maps/crossing/candidates/preferred";
+    assert_answer(&client.get(&format!("{candidate}/graph")).await, "graph-measured.json");
+    assert_answer(&client.get(&format!("{candidate}/grid?resolution=1")).await, "grid.json");
 }
 
 #[tokio::test]

@@ -1,7 +1,7 @@
 //! One line of a graph file: its words as numbers and names.
 
 use crate::geometry::Pose;
-use crate::patchwork::PoseId;
+use crate::patchwork::pose_graph::PoseId;
 
 /// What a line of a file says.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,7 +4,7 @@
 //! iteration: the equations are solved, with a tiny share of the diagonal added, for sides that are rough everywhere;
 //! what can move freely moves most.
 
-use crate::patchwork::system::System;
+use crate::patchwork::pose_graph::system::System;
 
 /// The share of the diagonal that is added.
 const SHIFT: f64 = 1e-10;

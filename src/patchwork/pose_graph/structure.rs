@@ -3,7 +3,7 @@
 //! Ordering and structure speak of poses, not of their coordinates: a graph of a third of the size, found and ordered
 //! once for every system over the same poses, of one, two or three unknowns each.
 
-use crate::patchwork::RelaxError;
+use crate::patchwork::pose_graph::RelaxError;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;

@@ -5,10 +5,10 @@
 //! factorisation. Where no length pays, or the equations are singular, the diagonal is raised (Levenberg 1944,
 //! Marquardt 1963). A step that would raise the cost is never taken.
 
-use crate::patchwork::problem::{Problem, State};
-use crate::patchwork::relax::{Outcome, RelaxOptions};
-use crate::patchwork::structure::{NOWHERE, Structure};
-use crate::patchwork::system::System;
+use crate::patchwork::pose_graph::problem::{Problem, State};
+use crate::patchwork::pose_graph::relax::{Outcome, RelaxOptions};
+use crate::patchwork::pose_graph::structure::{NOWHERE, Structure};
+use crate::patchwork::pose_graph::system::System;
 
 /// What a descent goes by.
 pub(super) struct Descent<'a> {
@@ -18,6 +18,8 @@ pub(super) struct Descent<'a> {
     pub(super) nodes: &'a [u32],
     pub(super) system: &'a mut System<3>,
     pub(super) options: &'a RelaxOptions,
+    /// Asked before each step.
+    pub(super) interrupted: &'a dyn Fn() -> bool,
 }
 
 /// Where a descent ended.
@@ -74,6 +76,10 @@ impl Descent<'_> {
         }
         let mut damping = Damping(0.0);
         while at.costs.len() <= self.options.max_iterations {
+            if (self.interrupted)() {
+                at.outcome = Outcome::Interrupted;
+                break;
+            }
             if let Some(outcome) = self.advance(&mut at, &mut damping) {
                 at.outcome = outcome;
                 break;

@@ -9,10 +9,10 @@
 //! `A` carries the far end along as `i` turns. So one block `H = P' W P` gives all: `A' H A`, `-A' H` and `H`.
 
 use crate::geometry::Pose;
-use crate::patchwork::graph::{Edge, PoseGraph};
-use crate::patchwork::loss::Loss;
-use crate::patchwork::structure::NOWHERE;
-use crate::patchwork::system::System;
+use crate::patchwork::pose_graph::graph::{Edge, PoseGraph};
+use crate::patchwork::pose_graph::loss::Loss;
+use crate::patchwork::pose_graph::structure::NOWHERE;
+use crate::patchwork::pose_graph::system::System;
 use nalgebra::Matrix3;
 use std::f64::consts::TAU;
 

@@ -1,7 +1,7 @@
 //! Which poses hang together, and what each part is held by.
 
 use crate::geometry::Pose;
-use crate::patchwork::graph::PoseGraph;
+use crate::patchwork::pose_graph::graph::PoseGraph;
 use std::collections::VecDeque;
 
 /// Disjoint sets of poses; the least pose of each stands for it.
@@ -108,7 +108,7 @@ fn spread(graph: &PoseGraph, known: &mut [Option<Pose>], forest: &[usize]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::patchwork::graph::{Edge, PoseId};
+    use crate::patchwork::pose_graph::graph::{Edge, PoseId};
     use nalgebra::Matrix3;
 
     fn chain(guesses: &[Option<Pose>], edges: &[(u64, u64, f64)]) -> PoseGraph {

@@ -1,8 +1,8 @@
 //! Writing graphs and trajectories. Numbers are the shortest that read back to the last bit.
 
 use crate::geometry::Pose;
-use crate::patchwork::format::InformationOrder;
-use crate::patchwork::graph::{Edge, PoseGraph};
+use crate::patchwork::pose_graph::format::InformationOrder;
+use crate::patchwork::pose_graph::graph::{Edge, PoseGraph};
 use std::fmt::{Display, Write};
 
 /// The graph in g2o's format, its guesses as vertices; `FIX` for each pose held.

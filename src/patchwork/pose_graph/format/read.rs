@@ -1,9 +1,9 @@
 //! Reading a graph file: either format, line by line, within bounds.
 
 use crate::geometry::Pose;
-use crate::patchwork::format::InformationOrder;
-use crate::patchwork::format::line::{Line, parse};
-use crate::patchwork::graph::{Edge, PoseGraph, PoseId, is_information};
+use crate::patchwork::pose_graph::format::InformationOrder;
+use crate::patchwork::pose_graph::format::line::{Line, parse};
+use crate::patchwork::pose_graph::graph::{Edge, PoseGraph, PoseId, is_information};
 use nalgebra::Matrix3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{BufRead, Read};
@@ -149,9 +149,9 @@ fn likely_order(edges: &[RawEdge], notes: &mut Vec<String>) -> InformationOrder 
 
 fn assemble(raw: &Raw, order: InformationOrder) -> Result<PoseGraph, FormatError> {
     let at = |line: usize| {
-        move |error: crate::patchwork::GraphError| {
+        move |error: crate::patchwork::pose_graph::GraphError| {
             let mend = match error {
-                crate::patchwork::GraphError::Information => format!(
+                crate::patchwork::pose_graph::GraphError::Information => format!(
                     "; read in the order of {}: is it that of {}? --information-order tells",
                     order.name(),
                     order.other().name()

@@ -3,8 +3,8 @@
 //! One thread, always: the sums of a factorisation in parallel depend on how it was cut, and the same graph is to give
 //! the same bytes everywhere.
 
-use crate::patchwork::RelaxError;
-use crate::patchwork::structure::Structure;
+use crate::patchwork::pose_graph::RelaxError;
+use crate::patchwork::pose_graph::structure::Structure;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::sparse::linalg::SymbolicSupernodalParams;

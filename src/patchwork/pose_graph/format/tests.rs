@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::geometry::Pose;
-use crate::patchwork::{Edge, PoseGraph, PoseId};
+use crate::patchwork::pose_graph::{Edge, PoseGraph, PoseId};
 use nalgebra::Matrix3;
 use proptest::prelude::*;
 

@@ -1,6 +1,7 @@
 //! The pose graph: poses, and what was measured between them.
 
 use crate::geometry::Pose;
+use crate::patchwork::pose_graph::parts::parts;
 use nalgebra::Matrix3;
 use rustc_hash::FxHashMap;
 use std::fmt;
@@ -157,6 +158,11 @@ impl PoseGraph {
     /// The two ends of each edge, as numbers of poses in the order of [`PoseGraph::ids`].
     pub(super) fn ends(&self) -> &[[u32; 2]] {
         &self.ends
+    }
+
+    /// The part of each pose, by the number of the first pose that edges join it to.
+    pub fn parts(&self) -> Vec<usize> {
+        parts(self).into_iter().map(|part| part as usize).collect()
     }
 
     /// The number of a pose in the order of [`PoseGraph::ids`].

@@ -5,10 +5,10 @@
 //! not of the circle, so that the sum of squares is quadratic and has one minimum. Then the angles themselves, with each
 //! error taken by the way around that is shorter there. Three factorisations, of two, one and two unknowns a pose.
 
-use crate::patchwork::RelaxError;
-use crate::patchwork::problem::{Constraint, Problem, State, nearest_angle};
-use crate::patchwork::structure::{NOWHERE, Structure};
-use crate::patchwork::system::System;
+use crate::patchwork::pose_graph::RelaxError;
+use crate::patchwork::pose_graph::problem::{Constraint, Problem, State, nearest_angle};
+use crate::patchwork::pose_graph::structure::{NOWHERE, Structure};
+use crate::patchwork::pose_graph::system::System;
 
 /// Edges that say nothing of heading still hang poses together, by this share of the weight of the surest.
 const LEAST_WEIGHT: f64 = 1e-9;

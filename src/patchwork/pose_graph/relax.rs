@@ -1,17 +1,17 @@
 //! Relaxation: the poses of least strain, by Gauss and Newton's method with damping.
 
 use crate::geometry::Pose;
-use crate::patchwork::RelaxError;
-use crate::patchwork::descent::{Descended, Descent};
-use crate::patchwork::graph::{PoseGraph, PoseId};
-use crate::patchwork::loss::Loss;
-use crate::patchwork::parts::{anchors, completed, parts};
-use crate::patchwork::problem::{Problem, State};
-use crate::patchwork::singular::{free_nodes, is_sound, shift};
-use crate::patchwork::start::rotation_first;
-use crate::patchwork::strain::rank;
-use crate::patchwork::structure::{NOWHERE, Structure};
-use crate::patchwork::system::System;
+use crate::patchwork::pose_graph::RelaxError;
+use crate::patchwork::pose_graph::descent::{Descended, Descent};
+use crate::patchwork::pose_graph::graph::{PoseGraph, PoseId};
+use crate::patchwork::pose_graph::loss::Loss;
+use crate::patchwork::pose_graph::parts::{anchors, completed, parts};
+use crate::patchwork::pose_graph::problem::{Problem, State};
+use crate::patchwork::pose_graph::singular::{free_nodes, is_sound, shift};
+use crate::patchwork::pose_graph::start::rotation_first;
+use crate::patchwork::pose_graph::strain::rank;
+use crate::patchwork::pose_graph::structure::{NOWHERE, Structure};
+use crate::patchwork::pose_graph::system::System;
 use nalgebra::Matrix3;
 
 /// How to relax.
@@ -53,6 +53,8 @@ pub enum Outcome {
     Converged,
     /// There were more steps to take than allowed.
     OutOfIterations,
+    /// The caller said so: the poses are those of the last step taken.
+    Interrupted,
     /// No step lowers the cost, however short, though the gradient says that one should: numbers are too large or too far
     /// apart for the precision of the machine.
     Stalled,
@@ -130,7 +132,16 @@ pub struct Relaxer {
 
 /// Relaxes a pose graph. Fails only where memory does: everything else is told in the answer.
 pub fn relax(graph: &PoseGraph, options: &RelaxOptions) -> Result<Relaxation, RelaxError> {
-    Relaxer::new(graph, options)?.relax()
+    relax_until(graph, options, &|| false)
+}
+
+/// The same, until `interrupted` says so, which is asked before each step: then the outcome is [`Outcome::Interrupted`].
+pub fn relax_until(
+    graph: &PoseGraph,
+    options: &RelaxOptions,
+    interrupted: &dyn Fn() -> bool,
+) -> Result<Relaxation, RelaxError> {
+    Relaxer::new(graph, options)?.relax_until(interrupted)
 }
 
 impl Relaxer {
@@ -171,14 +182,19 @@ impl Relaxer {
 
     /// Relaxes from the start chosen. A step costs a factorisation, for planar graphs about `n^1.5`.
     pub fn relax(&mut self) -> Result<Relaxation, RelaxError> {
+        self.relax_until(&|| false)
+    }
+
+    /// The same, until `interrupted` says so, which is asked before each step.
+    pub fn relax_until(&mut self, interrupted: &dyn Fn() -> bool) -> Result<Relaxation, RelaxError> {
         let mut trials = vec![];
         let mut best: Option<(Start, Descended)> = None;
         for (start, states) in self.starts()? {
             let found = |best: &Descended| best.outcome == Outcome::Converged && self.is_likely(cost(best));
-            if best.as_ref().is_some_and(|(_, best)| found(best)) {
+            if best.as_ref().is_some_and(|(_, best)| found(best) || best.outcome == Outcome::Interrupted) {
                 break;
             }
-            let descended = self.descent().run(states);
+            let descended = self.descent(interrupted).run(states);
             let (costs, outcome) = (descended.costs.clone(), descended.outcome);
             trials.push(Trial { start, costs, outcome });
             if best.as_ref().is_none_or(|(_, best)| cost(&descended) < cost(best)) {
@@ -217,7 +233,7 @@ impl Relaxer {
         Ok(starts)
     }
 
-    fn descent(&mut self) -> Descent<'_> {
+    fn descent<'a>(&'a mut self, interrupted: &'a dyn Fn() -> bool) -> Descent<'a> {
         self.factorized = false;
         Descent {
             problem: &self.problem,
@@ -225,6 +241,7 @@ impl Relaxer {
             nodes: &self.nodes,
             system: &mut self.system,
             options: &self.options,
+            interrupted,
         }
     }
 
@@ -239,12 +256,13 @@ impl Relaxer {
             ids.iter().zip(wanted).filter(|(_, wanted)| **wanted).map(|(id, _)| *id).collect()
         };
         self.undetermined = self.undetermined(descended.damped);
+        let stopped = trials.iter().any(|trial| trial.outcome == Outcome::Interrupted);
         Relaxation {
             poses: self.states.iter().map(State::pose).collect(),
             objective: self.problem.strain(&self.states),
             cost: cost(descended),
             iterations: descended.costs.len().saturating_sub(1),
-            outcome: descended.outcome,
+            outcome: if stopped { Outcome::Interrupted } else { descended.outcome },
             start,
             trials,
             gauge: named(&self.anchored, &self.ids),

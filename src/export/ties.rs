@@ -1,0 +1,73 @@
+//! Maps that are equally simple, and what strains them.
+
+use crate::abduction;
+use crate::patchwork::Strain;
+use crate::patchwork::local_frames::{Agreements, LocalFramesError};
+use crate::patchwork::survey::Survey;
+use crate::patchwork::ties;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+/// How the maps in `minimal` are told apart by what was measured. It ranks nothing that the axioms and simplicity have not
+/// left equal.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Ties {
+    /// What orders `minimal`, whose first is the preferred one.
+    pub ordered_by: TieOrder,
+    /// The strain of each map in `minimal`, in its order; null for those that were not relaxed, as only the first 16 are, or
+    /// fewer on walks of more than 32 observations.
+    pub strains: Vec<Option<TieStrain>>,
+}
+
+/// What orders maps that are equally simple.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum TieOrder {
+    /// The probability of their strain, the greatest first.
+    Strain,
+    /// Their assignments, as not all strains are known, or as nothing is compared in one.
+    Assignment,
+}
+
+/// What strains one of the maps that are equally simple.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct TieStrain {
+    /// Chi-square of all travels and closures.
+    pub chi_square: f64,
+    /// Numbers measured less numbers sought.
+    pub degrees_of_freedom: usize,
+    /// The decimal logarithm of the probability that chance strains as much or more, if covariances are honest.
+    pub log10_probability: f64,
+}
+
+impl Ties {
+    /// Puts the simplest maps of a report in the order of their strain, if there are several and all can be compared. `None`
+    /// where there is one, or nothing was measured.
+    pub fn rank(
+        found: &mut abduction::Report,
+        survey: &Survey,
+        agreements: &mut Agreements<'_>,
+        interrupted: &dyn Fn() -> bool,
+    ) -> Result<Option<Ties>, LocalFramesError> {
+        if found.minimal.len() < 2 || !survey.is_measured() {
+            return Ok(None);
+        }
+        let tied: Vec<_> = found.minimal.iter().map(|candidate| candidate.visits.as_slice()).collect();
+        let ties = ties::Ties::of(survey, agreements, &tied, interrupted)?;
+        found.minimal = ties.order.iter().map(|&at| found.minimal[at].clone()).collect();
+        Ok(Some(Ties {
+            ordered_by: if ties.by_strain { TieOrder::Strain } else { TieOrder::Assignment },
+            strains: ties.order.iter().map(|&at| ties.strains[at].as_ref().map(TieStrain::of)).collect(),
+        }))
+    }
+}
+
+impl TieStrain {
+    fn of(strain: &Strain) -> TieStrain {
+        TieStrain {
+            chi_square: strain.chi_square,
+            degrees_of_freedom: strain.degrees_of_freedom,
+            log10_probability: strain.log_probability() / std::f64::consts::LN_10,
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! The grid of a candidate: the LPMs of its visits, laid over each other as the relaxed map has them.
+
+use crate::export::{GridDocument, map_pgm, map_png};
+use crate::grid::OccupancyGrid;
+use crate::patchwork::merged::Canvas;
+use crate::service::http::accept::GridFormat;
+use crate::service::http::answer::Representation;
+use crate::service::http::extract::{CandidateName, CandidatePath, GridQuery};
+use crate::service::problem::{Problem, ProblemKind};
+use crate::service::{Maps, View};
+use axum::extract::State;
+use axum::http::{HeaderMap, HeaderValue, header};
+use axum::response::Response;
+use utoipa::ToSchema;
+
+/// The bytes of a picture.
+#[derive(ToSchema)]
+#[schema(value_type = String, format = Binary)]
+#[expect(dead_code, reason = "only its schema is used")]
+struct Picture(Vec<u8>);
+
+/// Read all that was seen as one occupancy grid.
+///
+/// The grids of all observations that hang together with the first, laid over each other where relaxation puts them. JSON is
+/// in the form in which a trace has an LPM; pictures are in the greys of `map_server`, and JSON of the same resolution says
+/// where they lie. Whoever does not wait for the answer ends the work.
+#[utoipa::path(
+    get, path = "/v1/maps/{map}/candidates/{candidate}/grid", tag = "maps", operation_id = "get_grid",
+    params(
+        ("map" = String, Path, description = "Name of the map"),
+        ("candidate" = String, Path, description = "Position of the candidate, or `preferred`"),
+        GridQuery,
+        ("Accept" = Option<String>, Header, description = "The form of the answer; JSON unless it says otherwise"),
+        ("If-None-Match" = Option<String>, Header, description = "ETag of the answer the client has"),
+    ),
+    responses(
+        (status = 200, description = "The grid",
+            content(
+                (GridDocument = "application/json"),
+                (Picture = "image/png"),
+                (Picture = "image/x-portable-graymap"),
+            ),
+            headers(("ETag" = String, description = "Changes with the answer"))),
+        (status = 304, description = "The answer has not changed"),
+        (status = 400, description = "The query is wrong"),
+        (status = 404, description = "No such map or candidate, no observation, nothing explains the events, or they \
+                                      have not what a patchwork is made of"),
+        (status = 406, description = "The header Accept names no form that there is"),
+        (status = 422, description = "The name is not one, or the grid would be too large"),
+        (status = 503, description = "It takes too long"),
+    )
+)]
+pub(super) async fn get_grid(
+    State(maps): State<Maps>,
+    CandidatePath(name, candidate): CandidatePath,
+    GridQuery { resolution, format }: GridQuery,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let format = format.map_or_else(|| GridFormat::accepted(&headers), Ok)?;
+    let view = maps.view(&name).await?;
+    let canvas = Canvas { resolution, most_cells: maps.limits().cells_per_answer };
+    let work = move |interrupted: &dyn Fn() -> bool| {
+        let grid = grid(&view, candidate, &canvas, interrupted)?;
+        encoded(&grid, format)
+    };
+    let mut response = maps.lay_out(work).await??.answer(&headers);
+    response.headers_mut().insert(header::VARY, HeaderValue::from_static("Accept"));
+    Ok(response)
+}
+
+fn grid(
+    view: &View,
+    candidate: CandidateName,
+    canvas: &Canvas,
+    interrupted: &dyn Fn() -> bool,
+) -> Result<OccupancyGrid, Problem> {
+    let (candidate, survey) = (candidate.find(view)?, &view.survey);
+    if !survey.has_grids() {
+        return Err(missing("no observation of the map is a grid, expected some with `lpm`"));
+    }
+    if survey.len() > 1 && !survey.is_measured() {
+        return Err(missing("no travel of the map was measured, expected `odometry` with `covariance`"));
+    }
+    let frames = view.relax(&candidate.visits, interrupted)?;
+    let grid = survey.grid(&frames, canvas, interrupted)?;
+    grid.ok_or_else(|| missing("nothing is known in the grids that hang together with the first observation"))
+}
+
+fn missing(detail: &str) -> Problem {
+    Problem::new(ProblemKind::NotMeasured, detail)
+}
+
+fn encoded(grid: &OccupancyGrid, format: GridFormat) -> Result<Representation, Problem> {
+    let bytes = match format {
+        GridFormat::Json => return Representation::of(&GridDocument::of(grid)),
+        GridFormat::Pgm => map_pgm(grid),
+        GridFormat::Png => map_png(grid).map_err(|error| {
+            Problem::new(ProblemKind::Internal, format!("the grid cannot be drawn: {error}"))
+        })?,
+    };
+    Ok(Representation::of_bytes(format.media_type(), bytes))
+}
