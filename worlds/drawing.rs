@@ -204,9 +204,8 @@ mod tests {
     #[test]
     fn a_window_of_no_size_or_beyond_all_bounds_is_refused() {
         let plan = Drawing::new().room((-1.0, -1.0), (1.0, 1.0));
-        let render = |side, resolution| {
-            plan.render(&window(side, resolution, Point::origin(), 0.0), &Point::origin())
-        };
+        let render =
+            |side, resolution| plan.render(&window(side, resolution, Point::origin(), 0.0), &Point::origin());
         for resolution in [0.0, 1e-9, 1e9] {
             assert_eq!(render(8.0, resolution), Err(GridError::Resolution(resolution)));
         }

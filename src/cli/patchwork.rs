@@ -69,7 +69,7 @@ impl Patchwork<'_> {
     /// visits, and the way of a log.
     pub(super) fn files(&self) -> Result<Vec<(String, Vec<u8>)>, Failure> {
         let mut files = Vec::new();
-        if let Some(grid) = self.grid()? {
+        if let Some(grid) = self.grid() {
             files.push(("patchwork.png".to_owned(), map_png(&grid).map_err(broken)?));
             files.push(("patchwork.yaml".to_owned(), map_yaml(&grid, "patchwork.png").into_bytes()));
         }
@@ -86,7 +86,7 @@ impl Patchwork<'_> {
     }
 
     /// The scans of a log along its way, or else the LPMs of a trace.
-    fn grid(&self) -> Result<Option<OccupancyGrid>, Failure> {
+    fn grid(&self) -> Option<OccupancyGrid> {
         fitted(|canvas| match self.driven.is_empty() {
             true => self.survey.grid(&self.frames, canvas, &|| false),
             false => self.way.drive.grid(&self.driven, canvas),
@@ -98,23 +98,25 @@ impl Patchwork<'_> {
         let frames = self.way.drive.frames();
         if !frames.is_empty() {
             let poses: Vec<Pose> = frames.iter().map(|frame| frame.sweep.odom_from_robot).collect();
-            return fitted(|canvas| self.way.drive.grid(&poses, canvas));
+            return Ok(fitted(|canvas| self.way.drive.grid(&poses, canvas)));
         }
         let open = LocalFrames::relax(&self.survey.travels(), Vec::new(), &|| false).map_err(broken)?;
-        fitted(|canvas| self.survey.grid(&open, canvas, &|| false))
+        Ok(fitted(|canvas| self.survey.grid(&open, canvas, &|| false)))
     }
 }
 
-/// A grid, in coarser cells where it would be too large.
-fn fitted(
-    make: impl Fn(&Canvas) -> Result<Option<OccupancyGrid>, MergeError>,
-) -> Result<Option<OccupancyGrid>, Failure> {
+/// A grid, in coarser cells where it would be too large. One that cannot be made, as a pose is beyond all bounds, is left
+/// out, and people are told: the map does not depend on it.
+fn fitted(make: impl Fn(&Canvas) -> Result<Option<OccupancyGrid>, MergeError>) -> Option<OccupancyGrid> {
     let canvas = Canvas { resolution: RESOLUTION, most_cells: MAX_SIDE * MAX_SIDE };
-    match make(&canvas) {
+    let made = match make(&canvas) {
         Err(MergeError::TooLarge { fitting, .. }) => make(&Canvas { resolution: fitting, ..canvas }),
         made => made,
-    }
-    .map_err(broken)
+    };
+    made.unwrap_or_else(|error| {
+        eprintln!("a grid of the patchwork is left out: {error}");
+        None
+    })
 }
 
 fn broken(error: impl std::fmt::Display) -> Failure {

@@ -149,7 +149,9 @@ mod tests {
     fn a_robot_that_stands_is_remembered_by_its_first_and_last_moment() {
         let mut follower = Follower::new(&VisitParameters::default()).unwrap();
         follower.add_placed(&scan(), &at(0.0, true));
-        (0..1000).for_each(|_| drop(follower.add_placed(&scan(), &at(0.01, false))));
+        for _ in 0..1000 {
+            follower.add_placed(&scan(), &at(0.01, false));
+        }
         follower.add_placed(&scan(), &at(0.1, true));
         let scans: Vec<usize> = follower.moments().iter().map(|moment| moment.scan).collect();
         assert_eq!(scans, [0, 1000, 1001]);
@@ -161,7 +163,9 @@ mod tests {
         let mut follower = Follower::new(&parameters).unwrap();
         // To and fro: it is always near.
         let ways = (0..400).map(|k| f64::from(if k / 10 % 2 == 0 { k % 10 } else { 10 - k % 10 }) / 2.0);
-        ways.for_each(|x| drop(follower.add_placed(&scan(), &at(x, true))));
+        for x in ways {
+            follower.add_placed(&scan(), &at(x, true));
+        }
         let lpm = follower.lpm(&Point::origin(), &Pose::IDENTITY).unwrap();
         let length: f64 = lpm.trail.windows(2).map(|leg| (leg[1] - leg[0]).norm()).sum();
         let memory = parameters.matching.memory;
