@@ -41,14 +41,14 @@ pub(super) fn check(
     let on_a_turn = start_angle.abs() <= turn;
     if !start_told && !on_a_turn {
         return Err(format!(
-            "has a first beam at {start_angle} radians, expected an angle within a turn; --start-angle tells the right one"
+            "has a first beam at {start_angle:?} radians, expected an angle within a turn; --start-angle tells the right one"
         ));
     }
     let view = angle_increment.abs() * beams.saturating_sub(1) as f64;
     if beams > 1 && !(LEAST_VIEW..=turn).contains(&view) {
         return Err(format!(
-            "has {beams} beams in steps of {angle_increment} radians, expected them to cover at most a turn and more \
-             than {LEAST_VIEW}; mend the driver's resolution, which is in radians"
+            "has {beams} beams in steps of {angle_increment:?} radians, expected them to cover at most a turn and more \
+             than {LEAST_VIEW:?}; mend the driver's resolution, which is in radians"
         ));
     }
     Ok(())

@@ -113,7 +113,7 @@ impl Laser {
             return None;
         };
         let geometry = self.geometry(&sweep, options);
-        let (limit, source) = self.no_returns.limit();
+        let limit = self.no_returns.limit();
         let ranges: Vec<Option<f64>> = sweep.ranges.iter().map(|&range| returned(range, limit)).collect();
 
         let report = &mut self.report;
@@ -124,7 +124,7 @@ impl Laser {
         );
         report.readings += ranges.len() as u64;
         report.no_returns += ranges.iter().filter(|range| range.is_none()).count() as u64;
-        (report.no_return_from, report.no_return_source) = (limit, source);
+        (report.no_return_from, report.no_return_source) = limit;
         (report.mount, report.mount_source) = (Some(robot_from_laser), mount_source);
         (report.geometry, report.corrected) = (geometry, self.mount.corrected);
         Some(LaserScan {

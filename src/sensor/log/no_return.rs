@@ -4,7 +4,8 @@
 //! come so far: the no-return value of a log is the largest range that stands out as a *spike*, met many times and more
 //! often than all that lies just below it, as walls do not have a distance that they keep to the last digit. Readings
 //! beyond it show that it was none, unless they are so rare that they are strays. The codes of SICK lasers in
-//! centimetres (81.83 to 81.91 m) are one value. Read with a look ahead, this needs no second reading of the log.
+//! centimetres (81.83 to 81.91 m) are one value, and did not return even if they are too few to stand out. Read with a
+//! look ahead, this needs no second reading of the log.
 
 use std::ops::Range;
 
@@ -145,10 +146,13 @@ impl Largest {
     }
 }
 
-/// The range, if something came back from there.
-pub(super) fn returned(range: f64, limit: Option<f64>) -> Option<f64> {
+/// The range, if something came back from there. Where nothing told what means no return, a code of SICK lasers is one,
+/// even a single one: a wall is hardly ever that far, and never in that gap alone.
+pub(super) fn returned(range: f64, (limit, source): (Option<f64>, NoReturnSource)) -> Option<f64> {
+    use NoReturnSource::{Guess, SickCodes, Unknown};
+    let code = matches!(source, SickCodes | Guess(_) | Unknown) && SICK_CODES.contains(&range);
     let limit = limit.unwrap_or(PHYSICAL_LIMIT).min(PHYSICAL_LIMIT);
-    (range > 0.0 && range < limit).then_some(range)
+    (range > 0.0 && range < limit && !code).then_some(range)
 }
 
 #[cfg(test)]
@@ -250,10 +254,16 @@ mod tests {
 
     #[test]
     fn what_is_no_distance_did_not_return() {
+        let told = (Some(8.0), NoReturnSource::Option);
         for range in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e5, 8.0] {
-            assert_eq!(returned(range, Some(8.0)), None, "{range}");
+            assert_eq!(returned(range, told), None, "{range}");
         }
-        assert_eq!(returned(7.9, Some(8.0)), Some(7.9));
-        assert_eq!(returned(900.0, None), Some(900.0));
+        assert_eq!(returned(7.9, told), Some(7.9));
+        let unknown = (None, NoReturnSource::Unknown);
+        assert_eq!(
+            [81.82, 81.83, 81.91, 81.92, 900.0].map(|range| returned(range, unknown)),
+            [Some(81.82), None, None, Some(81.92), Some(900.0)]
+        );
+        assert_eq!(returned(81.83, (Some(100.0), NoReturnSource::Message)), Some(81.83));
     }
 }

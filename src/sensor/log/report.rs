@@ -28,8 +28,8 @@ pub struct LogReport {
     pub cut_off_line: Option<u64>,
     /// Whether the compressed stream or the bag broke off before its end.
     pub broken_off: bool,
-    /// Steps of the odometry between scans that no robot makes: more than 2 m in less than a second, or at more than
-    /// 5 m/s by the stamps.
+    /// Steps between scans that no robot makes: more than 2 m in less than a second, or more than half a metre at more
+    /// than 5 m/s by the stamps.
     pub impossible_steps: u64,
     /// The first of them.
     pub first_impossible_step: Option<Step>,

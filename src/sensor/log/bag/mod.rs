@@ -132,9 +132,9 @@ impl<I: Iterator<Item = io::Result<R>>, R: Read> BagEntries<I, R> {
         let farthest = if range_max > nearest { range_max } else { f64::INFINITY };
         if (nearest, farthest) != (range_min, range_max) && !std::mem::replace(&mut self.bounds_told, true) {
             self.remarks.push_back(format!(
-                "from message {} on, {} has range_min {range_min} and range_max {range_max}, which bound no range; what \
-                 was not filled in is not gone by (--max-range)",
-                self.read, self.scans
+                "from message {} on, {} has range_min {} and range_max {}, expected the second above the first; what was \
+                 not filled in bounds nothing (--max-range)",
+                self.read, self.scans, range_min as f32, range_max as f32
             ));
         }
         (nearest, farthest)

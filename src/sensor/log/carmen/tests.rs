@@ -278,15 +278,15 @@ fn a_broken_line_is_refused_with_its_number_and_what_came_before_is_kept() {
         ("RAWLASER1 0 0 3 1 20 0 0 2 1 2 5 6 7 h 0\n", "a message of the front laser has 2 numbers after"),
         (
             "RAWLASER2 0 1e10 3 1 20 0 0 2 1 2 0 7 h 0\n",
-            "RAWLASER2 has a first beam at 10000000000 radians, expected an angle within a turn; --start-angle",
+            "RAWLASER2 has a first beam at 10000000000.0 radians, expected an angle within a turn; --start-angle",
         ),
         (
             "ROBOTLASER1 0 -90 180 1 80 0.01 0 2 1 2 0 1 2 0 1 2 0 1 2 3 4 5 9.5 host 0.21\n",
-            "ROBOTLASER1 has a first beam at -90 radians, expected an angle within a turn; --start-angle",
+            "ROBOTLASER1 has a first beam at -90.0 radians, expected an angle within a turn; --start-angle",
         ),
         (
             "RAWLASER1 0 -1.5 180 90 20 0 0 2 1 2 0 7 h 0\n",
-            "RAWLASER1 has 2 beams in steps of 90 radians, expected them to cover at most a turn",
+            "RAWLASER1 has 2 beams in steps of 90.0 radians, expected them to cover at most a turn",
         ),
         ("RAWLASER1 0 -1.5 1e-9 0 20 0 0 2 1 2 0 7 h 0\n", "RAWLASER1 has 2 beams in steps of"),
         ("TRUEPOS 1\n", "TRUEPOS ends before the true pose"),
