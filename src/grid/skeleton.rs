@@ -343,7 +343,7 @@ mod tests {
             turned in 0.0..6.0f64,
         ) {
             let info = GridInfo { resolution: 0.5, width, height, origin: Pose::new(-7.0, 3.0, turned) };
-            let wall = |i: usize| if i % 11 == 0 { Cell::Occupied } else { Cell::Free };
+            let wall = |i: usize| if i.is_multiple_of(11) { Cell::Occupied } else { Cell::Free };
             let grid = OccupancyGrid::new(info, (0..width * height).map(wall).collect()).unwrap();
             let distance = DistanceField::new(&grid);
             let trail: Vec<Point> = points.into_iter().map(|(x, y)| Point::new(x, y)).collect();
