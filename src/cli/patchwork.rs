@@ -96,10 +96,8 @@ impl Patchwork<'_> {
     /// The same where the robot was by its odometry.
     fn grid_by_odometry(&self) -> Result<Option<OccupancyGrid>, Failure> {
         let frames = self.way.drive.frames();
-        if let Some(first) = frames.first() {
-            let start = first.sweep.odom_from_robot.inverse();
-            let poses: Vec<Pose> =
-                frames.iter().map(|frame| start.compose(&frame.sweep.odom_from_robot)).collect();
+        if !frames.is_empty() {
+            let poses: Vec<Pose> = frames.iter().map(|frame| frame.sweep.odom_from_robot).collect();
             return Ok(fitted(|canvas| self.way.drive.grid(&poses, canvas)));
         }
         let open = LocalFrames::relax(&self.survey.travels(), Vec::new(), &|| false).map_err(broken)?;
