@@ -28,7 +28,13 @@ impl<R: BufRead> Read for GzipMembers<R> {
                 return Ok(count);
             }
             let Some(mut rest) = self.member.take().map(GzDecoder::into_inner) else { break };
-            let ahead = rest.fill_buf()?;
+            // The reader is in nobody's hands now: whoever tries again would find the end.
+            let ahead = loop {
+                match rest.fill_buf() {
+                    Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                    _ => break rest.fill_buf()?,
+                }
+            };
             if ahead.is_empty() {
                 break;
             } else if ahead.iter().zip(MAGIC).any(|(found, expected)| *found != expected) {

@@ -107,7 +107,12 @@ fn found_visits(input: &Path, mut log: LogScans) -> Result<Events, Failure> {
 /// The events of a log up to its first fault; arrivals after that are left out.
 fn visits_at(input: &Path, mut log: LogScans, visits: &Path) -> Result<Events, Failure> {
     let bad = |error: &dyn std::fmt::Display| Failure::input(visits, error);
-    let arrivals = read_arrivals(visits)?.into_iter().map(|arrival| arrival.scan).collect();
+    let arrivals: Vec<usize> = read_arrivals(visits)?.into_iter().map(|arrival| arrival.scan).collect();
+    if arrivals.is_empty() {
+        return Err(bad(
+            &"has no arrival, expected a line for each, the scan at which the robot comes to a place",
+        ));
+    }
     let parameters = VisitParameters::default();
     let mut marked = AnnotatedVisits::new(arrivals, &parameters).map_err(|error| bad(&error))?;
     let (mut stages, mut track) = (Vec::new(), Track::default());

@@ -7,7 +7,7 @@ use crate::cli::classic::{self, is_of_views};
 use crate::cli::failure::Failure;
 use crate::cli::input::{Events, read_arrivals, read_events};
 use crate::cli::log::{LogArgs, is_log};
-use crate::cli::patchwork::{Patchwork, patchwork};
+use crate::cli::patchwork::{Patchwork, or_left_out, patchwork};
 use crate::cli::poses::{pose_errors, poses_in_words};
 use crate::cli::standstill::{Stopped, before_in_words, pictures, stopped};
 use crate::cli::words::{certainty, in_words, reasons_in_words, truth_in_words};
@@ -15,7 +15,6 @@ use crate::explanation::{Verdict, verdict as verdict_of};
 use crate::export::{
     self, Explanation, MapGraph, Mark, PoseErrors, Ties, Truth, map_svg, map_text, standstill_text,
 };
-use crate::patchwork::local_frames::LocalFramesError;
 use crate::service::{Limits, MapConfig, Session, SessionError};
 use crate::trace::recording::Arrival;
 use crate::trace::{Event, EventKind, write_event};
@@ -118,16 +117,17 @@ impl Map {
         let way = std::mem::take(&mut input.way);
         let Explained { events, session, fault } = self.search(input, axioms, strategy)?;
         let (mut report, survey) = (session.abduction().report(), session.survey());
-        let broken = |error: LocalFramesError| Failure::Broken(error.to_string());
         let mut agreements = survey.agreements();
-        let ties = Ties::rank(&mut report, survey, &mut agreements, &|| false).map_err(broken)?;
+        let ties =
+            or_left_out("the strain of ties", Ties::rank(&mut report, survey, &mut agreements, &|| false));
         let mut wire = export::Report::new(&report);
         wire.ties = ties;
         wire.explain = self.reasons(session.abduction(), &report)?.map(Box::new);
         wire.truth = self.compared(&timetable, &session, wire.preferred.as_ref())?.map(Box::new);
         let preferred = report.minimal.first();
-        let patchwork =
-            preferred.map(|map| patchwork(survey, &mut agreements, &map.visits, &way)).transpose()?.flatten();
+        let patchwork = preferred.and_then(|map| {
+            or_left_out("the patchwork", patchwork(survey, &mut agreements, &map.visits, &way))
+        });
         wire.strain = patchwork.as_ref().map(|patchwork| Box::new(patchwork.strain.clone()));
         wire.poses = self.pose_errors(&track, patchwork.as_ref())?.map(Box::new);
         let stopped = stopped(&session, &events, limits())?;

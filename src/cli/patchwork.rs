@@ -9,7 +9,7 @@ use crate::grid::OccupancyGrid;
 use crate::grid::occupancy::MAX_SIDE;
 use crate::patchwork::assembly::{RelaxedDrive, Stop};
 use crate::patchwork::format::{write_g2o, write_trajectory};
-use crate::patchwork::local_frames::{Agreements, LocalFrames, graph};
+use crate::patchwork::local_frames::{Agreements, LocalFrames, LocalFramesError, graph};
 use crate::patchwork::merged::{Canvas, MergeError};
 use crate::patchwork::survey::Survey;
 
@@ -40,11 +40,11 @@ pub(super) fn patchwork<'a>(
     agreements: &mut Agreements<'_>,
     candidate: &[Assignment],
     way: &'a Way,
-) -> Result<Option<Patchwork<'a>>, Failure> {
+) -> Result<Option<Patchwork<'a>>, LocalFramesError> {
     if !survey.is_measured() {
         return Ok(None);
     }
-    let frames = survey.relax(candidate, agreements, &|| false).map_err(broken)?;
+    let frames = survey.relax(candidate, agreements, &|| false)?;
     let strain = MapStrain::of(&frames);
     if way.drive.frames().is_empty() {
         return Ok(Some(Patchwork { strain, trajectories: None, survey, way, frames, driven: Vec::new() }));
@@ -56,7 +56,7 @@ pub(super) fn patchwork<'a>(
         Some(Stop { local_from_visit, ..*stop })
     };
     let stops: Vec<Stop> = way.stops.iter().enumerate().filter_map(stop).collect();
-    let relaxed = RelaxedDrive::new(&way.drive, &stops, &frames.closures).map_err(broken)?;
+    let relaxed = RelaxedDrive::new(&way.drive, &stops, &frames.closures)?;
     let trajectories = Some(Trajectories {
         by_map: way.drive.trajectory(&relaxed.by_map.poses),
         by_scans: way.drive.trajectory(&relaxed.by_scans.poses),
@@ -105,18 +105,22 @@ impl Patchwork<'_> {
     }
 }
 
-/// A grid, in coarser cells where it would be too large. One that cannot be made, as a pose is beyond all bounds, is left
-/// out, and people are told: the map does not depend on it.
+/// What is made beside a map, or people are told why it is left out: the map does not depend on it.
+pub(super) fn or_left_out<T>(what: &str, made: Result<Option<T>, impl std::fmt::Display>) -> Option<T> {
+    made.unwrap_or_else(|error| {
+        eprintln!("{what} is left out: {error}");
+        None
+    })
+}
+
+/// A grid, in coarser cells where it would be too large.
 fn fitted(make: impl Fn(&Canvas) -> Result<Option<OccupancyGrid>, MergeError>) -> Option<OccupancyGrid> {
     let canvas = Canvas { resolution: RESOLUTION, most_cells: MAX_SIDE * MAX_SIDE };
     let made = match make(&canvas) {
         Err(MergeError::TooLarge { fitting, .. }) => make(&Canvas { resolution: fitting, ..canvas }),
         made => made,
     };
-    made.unwrap_or_else(|error| {
-        eprintln!("a grid of the patchwork is left out: {error}");
-        None
-    })
+    or_left_out("a grid of the patchwork", made)
 }
 
 fn broken(error: impl std::fmt::Display) -> Failure {

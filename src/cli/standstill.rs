@@ -2,6 +2,7 @@
 
 use crate::abduction::{Report, Strategy};
 use crate::cli::failure::Failure;
+use crate::cli::patchwork::or_left_out;
 use crate::explanation::standstill;
 use crate::export::{self, Preferred, Standstill, Ties, extraction_svg, map_text};
 use crate::lpm::Lpm;
@@ -33,7 +34,7 @@ pub(super) fn stopped(
     let broken = |error: &dyn std::fmt::Display| Failure::Broken(error.to_string());
     let before = Session::replay(session.config(), limits, &events[..fatal]).map_err(|e| broken(&e))?;
     let (survey, mut before) = (Arc::clone(before.survey()), before.abduction().report());
-    Ties::rank(&mut before, &survey, &mut survey.agreements(), &|| false).map_err(|e| broken(&e))?;
+    or_left_out("the strain of ties", Ties::rank(&mut before, &survey, &mut survey.agreements(), &|| false));
     let (Some(simplest), Some(preferred)) = (before.minimal.first(), Preferred::of(&before)) else {
         return Ok(None);
     };

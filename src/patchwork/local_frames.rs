@@ -10,12 +10,16 @@ use crate::patchwork::drive::turned;
 use crate::patchwork::{
     Edge, GraphError, Outcome, PoseGraph, PoseId, RelaxError, RelaxOptions, Strain, relax_until,
 };
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, SymmetricEigen};
 use std::collections::BTreeMap;
 
 /// A measured travel from the frame of one visit to that of the next: the displacement, and its covariance in the frame
 /// it begins in.
 pub type Displacement = (Pose, Matrix3<f64>);
+
+/// No displacement is taken for better known than rounding allows, nor for known worse, as variances, metres and radians
+/// squared.
+const VARIANCES: [f64; 2] = [1e-7, 1e12];
 
 /// What visits show of each other, remembered: candidates ask for the same pairs.
 pub struct Agreements<'a> {
@@ -113,9 +117,8 @@ pub fn graph(travels: &[Option<Displacement>], closures: &[Closure]) -> Result<P
         // Edges weigh errors as they are seen at their end.
         let turned = turned(-displacement.theta);
         let covariance = turned * covariance * turned.transpose();
-        let Some(information) = covariance.try_inverse() else { continue };
         let [from, to] = [visit - 1, visit].map(|visit| PoseId(visit as u64));
-        let information = (information + information.transpose()) / 2.0;
+        let information = information(&covariance);
         graph.add_edge(Edge { from, to, displacement: *displacement, information })?;
     }
     for Closure { visits, alignment } in closures {
@@ -124,6 +127,16 @@ pub fn graph(travels: &[Option<Displacement>], closures: &[Closure]) -> Result<P
         graph.add_edge(Edge { from, to, displacement: alignment.pose, information })?;
     }
     Ok(graph)
+}
+
+/// The inverse of a covariance, which may say that some combination of numbers is known without any error, or next to it.
+fn information(covariance: &Matrix3<f64>) -> Matrix3<f64> {
+    let [least, most] = VARIANCES;
+    let SymmetricEigen { eigenvectors, eigenvalues } =
+        SymmetricEigen::new((covariance + covariance.transpose()) / 2.0);
+    let weights = eigenvalues.map(|variance| 1.0 / variance.clamp(least, most));
+    let information = eigenvectors * Matrix3::from_diagonal(&weights) * eigenvectors.transpose();
+    (information + information.transpose()) / 2.0
 }
 
 /// A candidate map relaxed: where the frames of its visits lie, and what strains them.
@@ -210,6 +223,23 @@ mod tests {
     use crate::sensor::surface::Surface;
     use nalgebra::Vector3;
     use proptest::prelude::*;
+
+    proptest! {
+        /// A rank of two, as two wheels measure, of one or of nought: whatever a trace may say.
+        #[test]
+        fn a_travel_is_an_edge_however_little_its_covariance_holds(
+            ways in prop::collection::vec(prop::array::uniform3(-1.0..1.0f64), 0..4),
+            scale in prop_oneof![Just(0.0), Just(1e-12), Just(1e-3), Just(1e200)],
+        ) {
+            let way = |way: &[f64; 3]| Vector3::from(*way) * Vector3::from(*way).transpose() * scale;
+            let covariance: Matrix3<f64> = ways.iter().map(way).sum();
+            let travels = [None, Some((Pose::new(4.0, 1.0, 0.7), covariance))];
+            let frames = LocalFrames::relax(&travels, Vec::new(), &|| false).unwrap();
+            prop_assert_eq!(frames.strains.len(), 1);
+            let travelled = frames.poses[0].inverse().compose(&frames.poses[1]);
+            prop_assert!((travelled.position() - Point::new(4.0, 1.0)).norm() < 1e-6, "{:?}", travelled);
+        }
+    }
 
     /// The corners of a square block walked around twice, and the walls of each, which differ.
     fn corner(place: usize, world_from_visit: &Pose) -> Neighbourhood {

@@ -10,6 +10,9 @@ pub const MOST_TIES: usize = 16;
 /// How many visits of theirs at most, all in all: what a tie-break may cost.
 pub const MOST_VISITS: usize = 512;
 
+/// Logarithms of probabilities that differ by less are equal: sums in another order differ by so much.
+const ROUNDING: f64 = 1e-6;
+
 /// Candidates that are equally simple, and what strains them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ties {
@@ -23,8 +26,9 @@ pub struct Ties {
 }
 
 impl Ties {
-    /// Relaxes the first of some candidates, as many as is affordable; `agreements` are those of the survey. Strain is compared by its probability
-    /// ([`Strain::log_probability`]); equal ones stay in the order given.
+    /// Relaxes the first of some candidates, as many as is affordable; `agreements` are those of the survey. Strain is
+    /// compared by its probability ([`Strain::log_probability`]); those that are equal but for rounding stay in the order
+    /// given.
     pub fn of(
         survey: &Survey,
         agreements: &mut Agreements<'_>,
@@ -40,11 +44,15 @@ impl Ties {
     }
 
     fn by(strains: Vec<Option<Strain>>) -> Ties {
-        let compared = |strain: &Option<Strain>| strain.is_some_and(|strain| strain.degrees_of_freedom > 0);
+        let compared = |strain: &Option<Strain>| {
+            strain.is_some_and(|strain| strain.degrees_of_freedom > 0 && strain.log_probability().is_finite())
+        };
         let by_strain = strains.iter().all(compared);
         let mut order: Vec<usize> = (0..strains.len()).collect();
         if by_strain {
-            let probability = |at: usize| strains[at].as_ref().map_or(0.0, Strain::log_probability);
+            let probability = |at: usize| {
+                strains[at].as_ref().map_or(0.0, |strain| (strain.log_probability() / ROUNDING).round())
+            };
             order.sort_by(|&a, &b| probability(b).total_cmp(&probability(a)));
         }
         Ties { strains, order, by_strain }
@@ -71,8 +79,14 @@ mod tests {
     }
 
     #[test]
+    fn rounding_decides_nothing() {
+        let ties = Ties::by(vec![strain(40.0 + 1e-9, 6), strain(40.0, 6)]);
+        assert_eq!((ties.order, ties.by_strain), (vec![0, 1], true));
+    }
+
+    #[test]
     fn what_cannot_be_compared_stays_in_its_order() {
-        for other in [None, strain(0.0, 0)] {
+        for other in [None, strain(0.0, 0), strain(f64::NAN, 6)] {
             let ties = Ties::by(vec![strain(40.0, 6), strain(1.0, 6), other]);
             assert_eq!((ties.order, ties.by_strain), (vec![0, 1, 2], false));
         }

@@ -8,6 +8,7 @@
 
 use crate::geometry::{Pose, wrap_angle};
 use crate::sensor::LaserScan;
+use crate::sensor::log::Step;
 use crate::sensor::surface::{Surface, surfaces};
 use crate::sensor::walls::Walls;
 use nalgebra::{Matrix3, Vector3};
@@ -77,11 +78,7 @@ const BENT: [f64; 3] = [0.05, 0.02, 0.012];
 
 const KILOMETRE: f64 = 1e3;
 
-/// No robot drives so many metres from one scan to the next at so many metres a second: its odometry was set anew, or a
-/// log goes on elsewhere. Such a step tells nothing.
-const LEAP: f64 = 2.0;
-const FASTEST: f64 = 5.0;
-/// How uncertain the robot's pose is after a leap, ahead, aside, in heading: anywhere in the building.
+/// How uncertain the robot's pose is after a step that is none ([`Step::is_leap`]), ahead, aside, in heading: anywhere in the building.
 const LEAPT: [f64; 3] = [20.0, 20.0, PI];
 
 /// A pose among the walls nearby.
@@ -102,6 +99,8 @@ pub struct ScanMatcher {
     parameters: MatchingParameters,
     walls: Walls,
     last: Option<Match>,
+    /// Stamp and odometry of the scan before.
+    before: Option<(f64, Pose)>,
     /// Where the robot last remembered what it saw.
     remembered: Option<Pose>,
 }
@@ -109,7 +108,6 @@ pub struct ScanMatcher {
 /// The last scan used.
 #[derive(Clone, Copy, Debug)]
 struct Match {
-    stamp: f64,
     odom_from_robot: Pose,
     local_from_robot: Pose,
     /// How uncertain that pose is among the walls remembered.
@@ -122,18 +120,18 @@ impl ScanMatcher {
     /// A robot that has seen nothing yet.
     pub fn new(parameters: MatchingParameters) -> Self {
         let walls = Walls::new(parameters.window, ELEMENT, parameters.memory);
-        ScanMatcher { parameters, walls, last: None, remembered: None }
+        ScanMatcher { parameters, walls, last: None, before: None, remembered: None }
     }
 
     /// The pose at the next scan. Costs beams times rounds; scans at which the robot has not moved cost nothing.
     pub fn add(&mut self, scan: &LaserScan) -> LocalPose {
         let odom = scan.odom_from_robot;
+        let leap = self.before.replace((scan.stamp, odom)).is_some_and(|before| is_leap(before, scan));
         let Some(last) = self.last else {
             // Far from zero, numbers are coarse and walls cannot be counted.
             let start = Pose { x: odom.x % KILOMETRE, y: odom.y % KILOMETRE, ..odom };
             let nothing = Matrix3::zeros();
             self.last = Some(Match {
-                stamp: scan.stamp,
                 odom_from_robot: odom,
                 local_from_robot: start,
                 covariance: nothing,
@@ -143,7 +141,6 @@ impl ScanMatcher {
             return LocalPose { local_from_robot: start, drift: nothing, used: true };
         };
         let motion = last.odom_from_robot.inverse().compose(&odom);
-        let leap = is_leap(&motion, scan.stamp - last.stamp);
         let motion = if leap { Pose::IDENTITY } else { motion };
         let expected = last.local_from_robot.compose(&motion);
         let still =
@@ -199,8 +196,8 @@ impl ScanMatcher {
             }
         }
         let covariance = (trust + information).try_inverse().unwrap_or(*prior);
-        let LaserScan { stamp, odom_from_robot, .. } = *scan;
-        Match { stamp, odom_from_robot, local_from_robot: pose, covariance, information }
+        let odom_from_robot = scan.odom_from_robot;
+        Match { odom_from_robot, local_from_robot: pose, covariance, information }
     }
 
     /// What the walls say of a pose: information and gradient.
@@ -235,10 +232,9 @@ impl ScanMatcher {
     }
 }
 
-fn is_leap(motion: &Pose, seconds: f64) -> bool {
-    let length = motion.x.hypot(motion.y);
-    // Stamps may repeat or go back.
-    length > LEAP && length > FASTEST * seconds.abs()
+fn is_leap((stamp, odom_from_before): (f64, Pose), scan: &LaserScan) -> bool {
+    let metres = (scan.odom_from_robot.position() - odom_from_before.position()).norm();
+    Step { scan: 0, metres, seconds: scan.stamp - stamp }.is_leap()
 }
 
 /// The uncertainty of the last pose as it is felt at the next.
@@ -353,6 +349,17 @@ mod tests {
     fn odometry_that_is_set_anew_does_not_carry_the_robot_off() {
         let leapt = matched(|k| if k < 30 { Pose::IDENTITY } else { Pose::new(-50.0, 20.0, 0.0) });
         assert!(off(&leapt) < 0.15, "{}", off(&leapt));
+    }
+
+    #[test]
+    fn a_leap_after_a_rest_or_back_in_time_is_one() {
+        let mut matcher = ScanMatcher::new(MatchingParameters::default());
+        let odom = |x: f64| Pose::new(x, 0.0, 0.0);
+        let mut add =
+            |stamp: f64, x: f64| matcher.add(&scan(stamp, &Pose::IDENTITY, odom(x))).local_from_robot.x;
+        (0..300).for_each(|k| assert_eq!(add(f64::from(k) * 0.2, 0.0), 0.0));
+        assert!(add(60.2, 50.0).abs() < 0.05);
+        assert!(add(-1000.0, 90.0).abs() < 0.05);
     }
 
     #[test]

@@ -28,6 +28,13 @@ impl Step {
         let leap = metres > LONGEST && seconds < SOON;
         too_fast || leap && (stamped || seconds != 0.0)
     }
+
+    /// Whether it is so long besides that it tells nothing of the way: the odometry was set anew, or the log goes on
+    /// elsewhere. Stamps that repeat may be no stamps.
+    pub(in crate::sensor) fn is_leap(&self) -> bool {
+        let Step { metres, seconds, .. } = *self;
+        metres > LONGEST && seconds != 0.0 && metres > FASTEST * seconds
+    }
 }
 
 #[cfg(test)]
@@ -51,6 +58,12 @@ mod tests {
             let step = Step { scan: 1, metres, seconds };
             assert_eq!(step.is_impossible(true), impossible, "{step:?}");
             assert_eq!(step.is_impossible(false), impossible && seconds != 0.0, "{step:?}");
+            assert!(!step.is_leap() || step.is_impossible(false), "{step:?}");
+            assert_eq!(
+                step.is_leap(),
+                [(2.1, -100.0), (60.0, 10.0)].contains(&(metres, seconds)),
+                "{step:?}"
+            );
         }
     }
 }
