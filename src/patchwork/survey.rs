@@ -79,7 +79,7 @@ impl Survey {
 
     /// Whether any travel was measured.
     pub fn is_measured(&self) -> bool {
-        self.measurements.any() && self.measurements.displacements().iter().any(Option::is_some)
+        self.measurements.any() && self.measurements.any_displacement()
     }
 
     /// Whether any observation came as a grid.
