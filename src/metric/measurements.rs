@@ -80,6 +80,11 @@ impl Measurements {
         self.stays.iter().map(displacement).collect()
     }
 
+    /// Whether any travel was measured, so that [`Measurements::displacements`] has it.
+    pub fn any_displacement(&self) -> bool {
+        self.stays.iter().any(|stay| stay.travelled.is_some_and(|travelled| travelled.leg.is_some()))
+    }
+
     /// These measurements as evidence, if there are any.
     pub fn evidence(&self) -> Option<Arc<dyn Evidence>> {
         self.any().then(|| Arc::new(self.clone()) as Arc<dyn Evidence>)

@@ -23,13 +23,16 @@ const REACH: f64 = 1.5;
 const TURN: f64 = 0.3;
 
 impl Neighbourhood {
-    /// What an LPM shows of the place at a point of it.
-    pub fn new(lpm: &Lpm, point: &Point, bearings: Vec<Option<f64>>) -> Self {
+    /// What an LPM shows of the place at a point of it; `None` where `interrupted` said to stop.
+    pub fn new(
+        lpm: &Lpm,
+        point: &Point,
+        bearings: Vec<Option<f64>>,
+        interrupted: &dyn Fn() -> bool,
+    ) -> Option<Self> {
         let moved = |wall: &Surface| Surface { at: wall.at - point.coords, ..*wall };
-        Neighbourhood {
-            walls: Submap::new(Submap::of_grid(&lpm.grid).surfaces().iter().map(moved)),
-            bearings,
-        }
+        let walls = Submap::of_grid(&lpm.grid, interrupted)?;
+        Some(Neighbourhood { walls: Submap::new(walls.surfaces().iter().map(moved)), bearings })
     }
 
     /// What a bare star shows.

@@ -21,16 +21,20 @@ pub type Displacement = (Pose, Matrix3<f64>);
 /// squared.
 const VARIANCES: [f64; 2] = [1e-7, 1e12];
 
+/// What a visit shows; `None` where there is nothing to show, or where the second said to stop.
+type Show<'a> = dyn Fn(usize, &dyn Fn() -> bool) -> Option<Neighbourhood> + 'a;
+
 /// What visits show of each other, remembered: candidates ask for the same pairs.
 pub struct Agreements<'a> {
-    show: Box<dyn Fn(usize) -> Option<Neighbourhood> + 'a>,
+    show: Box<Show<'a>>,
     shown: BTreeMap<usize, Option<Neighbourhood>>,
     /// Standard deviations of the middle of a place, metres, and of a bearing, radians, as found on one visit.
     sigmas: [f64; 2],
     known: Known,
 }
 
-/// What pairs of visits show of each other, where that was asked before. It stays so however the trace goes on.
+/// What pairs of visits show of each other, where that was asked before. It stays so however the trace goes on. A pair is
+/// found by its later visit, its first visit, and the rotation.
 #[derive(Clone, Debug, Default)]
 pub struct Known(BTreeMap<(usize, usize, u8), Option<Alignment>>);
 
@@ -38,20 +42,24 @@ impl Known {
     /// How many pairs are remembered at most: half a megabyte.
     pub const MOST: usize = 4096;
 
-    /// Remembers more pairs, as many as there is room for.
+    /// Remembers more pairs. Where there is no room for all, those whose later visits are the oldest are forgotten: fewest
+    /// candidates still differ there.
     pub fn extend(&mut self, more: Known) {
         for (pair, alignment) in more.0 {
-            if self.0.len() >= Known::MOST {
-                return;
+            self.0.insert(pair, alignment);
+            if self.0.len() > Known::MOST {
+                self.0.pop_first();
             }
-            self.0.entry(pair).or_insert(alignment);
         }
     }
 }
 
 impl<'a> Agreements<'a> {
     /// Of visits, each of which is asked what it shows when a pair first needs it.
-    pub fn new(show: impl Fn(usize) -> Option<Neighbourhood> + 'a, sigmas: [f64; 2]) -> Self {
+    pub fn new(
+        show: impl Fn(usize, &dyn Fn() -> bool) -> Option<Neighbourhood> + 'a,
+        sigmas: [f64; 2],
+    ) -> Self {
         Agreements { show: Box::new(show), shown: BTreeMap::new(), sigmas, known: Known::default() }
     }
 
@@ -67,7 +75,7 @@ impl<'a> Agreements<'a> {
     }
 
     /// The closures of a candidate: each visit to a known place, with the first visit there. `interrupted` is asked
-    /// before each.
+    /// before each, and while walls are looked for.
     pub fn closures(
         &mut self,
         candidate: &[Assignment],
@@ -80,28 +88,46 @@ impl<'a> Agreements<'a> {
                 return Err(LocalFramesError::Interrupted);
             }
             let known = *first.entry(assigned.place.index()).or_insert(visit);
-            let Some(alignment) =
-                (known < visit).then(|| self.between(known, visit, assigned.rotation)).flatten()
-            else {
+            if known == visit {
                 continue;
-            };
-            closures.push(Closure { visits: [known, visit], alignment });
+            }
+            if let Some(alignment) = self.between(known, visit, assigned.rotation, interrupted)? {
+                closures.push(Closure { visits: [known, visit], alignment });
+            }
         }
         Ok(closures)
     }
 
-    fn between(&mut self, first: usize, later: usize, rotation: u8) -> Option<Alignment> {
-        if let Some(known) = self.known.0.get(&(first, later, rotation)) {
-            return *known;
+    fn between(
+        &mut self,
+        first: usize,
+        later: usize,
+        rotation: u8,
+        interrupted: &dyn Fn() -> bool,
+    ) -> Result<Option<Alignment>, LocalFramesError> {
+        if let Some(known) = self.known.0.get(&(later, first, rotation)) {
+            return Ok(*known);
         }
         for visit in [first, later] {
-            self.shown.entry(visit).or_insert_with(|| (self.show)(visit));
+            if self.shown.contains_key(&visit) {
+                continue;
+            }
+            // Remembered only where it was not told to stop: what a visit shows is then all of it.
+            let stopped = std::cell::Cell::new(false);
+            let shows = (self.show)(visit, &|| {
+                stopped.set(stopped.get() || interrupted());
+                stopped.get()
+            });
+            if stopped.get() {
+                return Err(LocalFramesError::Interrupted);
+            }
+            self.shown.insert(visit, shows);
         }
         let [one, other] = [first, later].map(|visit| self.shown.get(&visit).and_then(Option::as_ref));
         let found =
             one.zip(other).and_then(|(one, other)| one.agreement(other, usize::from(rotation), self.sigmas));
-        self.known.0.insert((first, later, rotation), found);
-        found
+        self.known.0.insert((later, first, rotation), found);
+        Ok(found)
     }
 }
 
@@ -280,7 +306,7 @@ mod tests {
         let travels = std::iter::once(None).chain(truth.windows(2).map(travel)).collect();
         let seen: Vec<Neighbourhood> =
             truth.iter().enumerate().map(|(visit, pose)| corner(visit % 4, pose)).collect();
-        (truth, travels, Agreements::new(move |visit| seen.get(visit).cloned(), [0.25, 0.05]))
+        (truth, travels, Agreements::new(move |visit, _| seen.get(visit).cloned(), [0.25, 0.05]))
     }
 
     fn frames() -> impl Strategy<Value = Vec<(f64, f64, f64)>> {
@@ -330,10 +356,40 @@ mod tests {
         let found = agreements.closures(&assigned(8), &|| false).unwrap();
         let mut known = Known::default();
         known.extend(agreements.into_known());
-        let blind = |_| panic!("it is known");
+        let blind = |_, _: &dyn Fn() -> bool| panic!("it is known");
         let again =
             Agreements::new(blind, [0.25, 0.05]).knowing(known).closures(&assigned(8), &|| false).unwrap();
         assert_eq!((found.len(), &found), (4, &again));
+    }
+
+    #[test]
+    fn the_pairs_of_the_latest_visits_are_remembered() {
+        let pairs =
+            |visits: std::ops::Range<usize>| Known(visits.map(|visit| ((visit, 0, 0), None)).collect());
+        let mut known = Known::default();
+        known.extend(pairs(1..Known::MOST));
+        known.extend(pairs(Known::MOST..Known::MOST + 100));
+        known.extend(pairs(1..50));
+        assert_eq!(known.0.len(), Known::MOST);
+        assert_eq!(known.0.keys().next(), Some(&(100, 0, 0)));
+        assert_eq!(known.0.keys().last(), Some(&(Known::MOST + 99, 0, 0)));
+    }
+
+    /// Where a visit was not shown to its end, it is shown again when it is asked for next.
+    #[test]
+    fn what_was_not_shown_to_its_end_is_not_remembered() {
+        let (_, _, mut whole) = walked(&[(0.1, 0.0, 0.3); 8]);
+        let (_, _, other) = walked(&[(0.1, 0.0, 0.3); 8]);
+        let show = |visit, interrupted: &dyn Fn() -> bool| {
+            if interrupted() { None } else { (other.show)(visit, interrupted) }
+        };
+        let mut agreements = Agreements::new(show, [0.25, 0.05]);
+        let asked = std::cell::Cell::new(0);
+        // The first to be shown anything is the visit at 4, after which it is asked again.
+        let stop = || asked.replace(asked.get() + 1) >= 5;
+        assert!(matches!(agreements.closures(&assigned(8), &stop), Err(LocalFramesError::Interrupted)));
+        let closures = agreements.closures(&assigned(8), &|| false).unwrap();
+        assert_eq!(closures, whole.closures(&assigned(8), &|| false).unwrap());
     }
 
     #[test]

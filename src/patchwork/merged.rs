@@ -2,7 +2,8 @@
 
 use crate::geometry::{Point, Pose};
 use crate::grid::occupancy::MAX_SIDE;
-use crate::grid::{Cell, GridError, GridInfo, OccupancyGrid};
+use crate::grid::{Cell, CellIndex, GridError, GridInfo, OccupancyGrid};
+use std::collections::BTreeMap;
 
 /// A grid and the pose of its frame in that of the patchwork.
 #[derive(Clone, Copy, Debug)]
@@ -55,8 +56,10 @@ const FREE: i32 = -1;
 /// Cells left free around what is known, metres.
 const MARGIN: f64 = 0.5;
 
-/// The pieces laid over each other; `None` where nothing is known. A cell is what the pieces over its middle say. Costs
-/// the cells of the rectangle around each piece, and five bytes a cell; `interrupted` is asked before each row of each.
+/// The pieces laid over each other; `None` where nothing is known. A cell is what the pieces over its middle say, and where
+/// the cells of a piece are smaller, what is occupied of those whose middles lie in it, or else free: walls do not vanish,
+/// though narrow ways may. Costs the cells of each piece and of the rectangle around it, and five bytes a cell;
+/// `interrupted` is asked before each row of each.
 pub fn merged(
     pieces: &[Piece<'_>],
     canvas: &Canvas,
@@ -127,6 +130,8 @@ fn lay(
     let corners: Vec<Point> = known_corners(piece).collect();
     let Some([low, high]) = bounds(&corners) else { return Ok(()) };
     let grid_from_merged = piece.pose.inverse().compose(&info.origin);
+    let finer = piece.grid.info().resolution < info.resolution;
+    let laid = if finer { laid(piece, info, interrupted)? } else { BTreeMap::new() };
     let span = |low: f64, high: f64, origin: f64, cells: usize| {
         let at = |v: f64| ((v - origin) / info.resolution).clamp(0.0, cells as f64) as usize;
         at(low)..(at(high) + 1).min(cells)
@@ -138,14 +143,46 @@ fn lay(
         for x in span(low.x, high.x, info.origin.x, info.width) {
             let middle = Point::new(x as f64 + 0.5, y as f64 + 0.5) * info.resolution;
             let there = piece.grid.info().cell_at(&grid_from_merged.transform_point(&middle));
-            said[y * info.width + x] += match there.map(|at| piece.grid.cell(at)) {
-                Some(Cell::Occupied) => OCCUPIED,
-                Some(Cell::Free) => FREE,
-                Some(Cell::Unknown) | None => 0,
+            let at = y * info.width + x;
+            let here = there.map_or(Cell::Unknown, |at| piece.grid.cell(at));
+            said[at] += match laid.get(&at).map_or(here, |laid| known(*laid, here)) {
+                Cell::Occupied => OCCUPIED,
+                Cell::Free => FREE,
+                Cell::Unknown => 0,
             };
         }
     }
     Ok(())
+}
+
+/// The known cells of a piece, laid into larger ones: by their offset.
+fn laid(
+    piece: &Piece<'_>,
+    info: &GridInfo,
+    interrupted: &dyn Fn() -> bool,
+) -> Result<BTreeMap<usize, Cell>, MergeError> {
+    let mut laid = BTreeMap::new();
+    for (y, row) in piece.grid.cells().chunks(piece.grid.info().width.max(1)).enumerate() {
+        if interrupted() {
+            return Err(MergeError::Interrupted);
+        }
+        for (x, cell) in row.iter().enumerate().filter(|(_, cell)| **cell != Cell::Unknown) {
+            let middle = piece.pose.transform_point(&piece.grid.info().center(CellIndex { x, y }));
+            let Some(at) = info.cell_at(&middle) else { continue };
+            let there = laid.entry(at.y * info.width + at.x).or_insert(*cell);
+            *there = known(*there, *cell);
+        }
+    }
+    Ok(laid)
+}
+
+/// What is known of a cell where parts of it differ.
+fn known(one: Cell, other: Cell) -> Cell {
+    match (one, other) {
+        (Cell::Occupied, _) | (_, Cell::Occupied) => Cell::Occupied,
+        (Cell::Free, _) | (_, Cell::Free) => Cell::Free,
+        (Cell::Unknown, Cell::Unknown) => Cell::Unknown,
+    }
 }
 
 /// The corners, in the patchwork, of the rectangle of known cells of a piece.
@@ -184,7 +221,7 @@ mod tests {
     }
 
     proptest! {
-        /// Every cell against the sum over all pieces at its middle.
+        /// Every cell against the sum over all pieces at its middle, and within it where it is larger than theirs.
         #[test]
         fn a_cell_is_what_the_pieces_over_its_middle_say(
             cells in prop::collection::vec((prop::collection::vec(0..3_u8, 20), -3.0..3.0f64, -3.0..3.0f64, -3.1..3.1f64), 0..5),
@@ -202,10 +239,18 @@ mod tests {
                 let middle = all.info().center(at);
                 let said: i32 = pieces.iter().map(|piece| {
                     let there = piece.pose.inverse().transform_point(&middle);
-                    match piece.grid.info().cell_at(&there).map(|at| piece.grid.cell(at)) {
-                        Some(Cell::Occupied) => OCCUPIED,
-                        Some(Cell::Free) => FREE,
-                        _ => 0,
+                    let middle = piece.grid.info().cell_at(&there).map(|at| piece.grid.cell(at));
+                    let within = piece.grid.cells().iter().enumerate().filter(|(offset, _)| {
+                        let at_piece = piece.grid.info().center(piece.grid.info().index(*offset));
+                        resolution > 0.4 && all.info().cell_at(&piece.pose.transform_point(&at_piece)) == Some(at)
+                    });
+                    let seen: Vec<Cell> = within.map(|(_, cell)| *cell).chain(middle).collect();
+                    if seen.contains(&Cell::Occupied) {
+                        OCCUPIED
+                    } else if seen.contains(&Cell::Free) {
+                        FREE
+                    } else {
+                        0
                     }
                 }).sum();
                 let decided = if said > 0 { Cell::Occupied } else if said < 0 { Cell::Free } else { Cell::Unknown };
@@ -218,6 +263,37 @@ mod tests {
                     prop_assert!(*cell == Cell::Unknown || all.info().cell_at(&at).is_some());
                 }
             }
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(32))]
+
+        /// Of a room with walls of one cell no way leads out, however large the cells of the canvas are.
+        #[test]
+        fn a_closed_room_stays_closed(theta in -3.1..3.1f64, resolution in 0.05..1.0f64, (x, y) in (-1.0..1.0f64, -1.0..1.0f64)) {
+            let cell = |at: usize| {
+                let wall = (at / 120).abs_diff(60).max((at % 120).abs_diff(60));
+                if wall == 40 { 2 } else { 1 }
+            };
+            let cells: Vec<u8> = (0..120 * 120).map(cell).collect();
+            let one = grid(&cells, 120, 0.05);
+            let pose = Pose::new(x, y, theta);
+            let all = merged(&[Piece { grid: &one, pose }], &whole(resolution), &|| false).unwrap().unwrap();
+            let middle = pose.transform_point(&one.info().center(CellIndex { x: 60, y: 60 }));
+            let mut reached = vec![all.info().cell_at(&middle).unwrap()];
+            prop_assert_eq!(all.cell(reached[0]), Cell::Free);
+            let mut next = 0;
+            while let Some(&at) = reached.get(next) {
+                next += 1;
+                for beside in all.info().neighbors(at, false) {
+                    if all.cell(beside) != Cell::Occupied && !reached.contains(&beside) {
+                        reached.push(beside);
+                    }
+                }
+            }
+            let outside = CellIndex { x: 0, y: 0 };
+            prop_assert!(!reached.contains(&outside));
         }
     }
 

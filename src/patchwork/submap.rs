@@ -1,7 +1,7 @@
 //! What the robot saw around a frame: pieces of wall, one for each square of the plane and side of the wall.
 
 use crate::geometry::{Point, Vector, direction};
-use crate::grid::{Cell, CellIndex, OccupancyGrid};
+use crate::grid::{Cell, CellIndex, GridInfo, OccupancyGrid};
 use crate::sensor::surface::Surface;
 use std::f64::consts::TAU;
 
@@ -23,6 +23,9 @@ const SAME_WALL: f64 = 0.7;
 const AROUND: f64 = 0.25;
 /// What is no straight piece of wall: cells that stray more than this from a line, metres (root mean square).
 const STRAIGHT: f64 = 0.06;
+/// Walls are looked for in cells no smaller than that, metres: as there are hundreds of cells around each, smaller ones would
+/// cost much and tell nothing more.
+const FINEST: f64 = 0.02;
 
 impl Submap {
     /// Of pieces of wall in one frame. As many steps as there are, times their logarithm.
@@ -43,12 +46,21 @@ impl Submap {
         submap
     }
 
-    /// Of the walls of a grid: occupied cells beside free ones that lie on a line, facing what is free.
-    pub fn of_grid(grid: &OccupancyGrid) -> Submap {
-        let cells = grid.cells().iter().enumerate();
-        let occupied =
-            cells.filter(|(_, cell)| **cell == Cell::Occupied).map(|(offset, _)| grid.info().index(offset));
-        Submap::new(occupied.filter_map(|at| wall(grid, at)))
+    /// Of the walls of a grid: occupied cells beside free ones that lie on a line, facing what is free. `None` where
+    /// `interrupted` said to stop; it is asked before each row. As many steps as there are cells, and for those beside free
+    /// ones as there are cells around, of 2 cm or more.
+    pub fn of_grid(grid: &OccupancyGrid, interrupted: &dyn Fn() -> bool) -> Option<Submap> {
+        let coarser = coarser(grid, interrupted)?;
+        let grid = coarser.as_ref().unwrap_or(grid);
+        let mut walls = Vec::new();
+        for (y, row) in grid.cells().chunks(grid.info().width.max(1)).enumerate() {
+            if interrupted() {
+                return None;
+            }
+            let occupied = row.iter().enumerate().filter(|(_, cell)| **cell == Cell::Occupied);
+            walls.extend(occupied.filter_map(|(x, _)| wall(grid, CellIndex { x, y })));
+        }
+        Some(Submap::new(walls))
     }
 
     /// The pieces of wall, row by row.
@@ -91,12 +103,47 @@ fn key(surface: &Surface) -> Option<[i32; 3]> {
     facing.is_finite().then_some([row, column, facing as i32])
 }
 
+/// The grid in cells of [`FINEST`] or little more, if its own are smaller: what is occupied anywhere in a cell wins, then what
+/// is free. The outer `None` where it was told to stop.
+fn coarser(grid: &OccupancyGrid, interrupted: &dyn Fn() -> bool) -> Option<Option<OccupancyGrid>> {
+    let info = grid.info();
+    // The slack keeps cells of 2 cm that rounding made smaller.
+    let times = (FINEST / info.resolution - 1e-6).ceil();
+    if times <= 1.0 {
+        return Some(None);
+    }
+    let times = times as usize;
+    let coarse = GridInfo {
+        resolution: info.resolution * times as f64,
+        width: info.width.div_ceil(times),
+        height: info.height.div_ceil(times),
+        origin: info.origin,
+    };
+    let mut cells = vec![Cell::Unknown; coarse.width * coarse.height];
+    for (y, row) in grid.cells().chunks(info.width.max(1)).enumerate() {
+        if interrupted() {
+            return None;
+        }
+        for (x, cell) in row.iter().enumerate() {
+            let known = &mut cells[y / times * coarse.width + x / times];
+            *known = match (*known, *cell) {
+                (Cell::Occupied, _) | (_, Cell::Occupied) => Cell::Occupied,
+                (Cell::Free, _) | (_, Cell::Free) => Cell::Free,
+                (Cell::Unknown, Cell::Unknown) => Cell::Unknown,
+            };
+        }
+    }
+    Some(OccupancyGrid::new(coarse, cells).ok())
+}
+
 /// The piece of wall in an occupied cell.
 fn wall(grid: &OccupancyGrid, at: CellIndex) -> Option<Surface> {
+    if !grid.info().neighbors(at, true).any(|beside| grid.cell(beside) == Cell::Free) {
+        return None;
+    }
     let rings = (AROUND / grid.info().resolution).round().max(1.0) as isize;
     let around = (-rings..=rings).flat_map(|dy| (-rings..=rings).map(move |dx| [dx, dy]));
     let (mut count, mut sum, mut free) = (0.0, [0.0; 5], Vector::zeros());
-    let mut beside = false;
     for offset in around {
         let Some(index) = grid.info().shifted(at, offset[0], offset[1]) else { continue };
         let away = Vector::new(offset[0] as f64, offset[1] as f64) * grid.info().resolution;
@@ -106,14 +153,11 @@ fn wall(grid: &OccupancyGrid, at: CellIndex) -> Option<Surface> {
                 let terms = [away.x, away.y, away.x * away.x, away.x * away.y, away.y * away.y];
                 sum.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
             }
-            Cell::Free => {
-                free += away;
-                beside |= offset[0].abs().max(offset[1].abs()) == 1;
-            }
+            Cell::Free => free += away,
             Cell::Unknown => {}
         }
     }
-    if !beside || count < 3.0 {
+    if count < 3.0 {
         return None;
     }
     let [x, y, xx, xy, yy] = sum.map(|sum| sum / count);
@@ -129,7 +173,6 @@ fn wall(grid: &OccupancyGrid, at: CellIndex) -> Option<Surface> {
 mod tests {
     use super::*;
     use crate::geometry::Pose;
-    use crate::grid::GridInfo;
     use proptest::prelude::*;
 
     proptest! {
@@ -157,12 +200,41 @@ mod tests {
                 if away > 0.05 { Cell::Free } else if away > -0.05 { Cell::Occupied } else { Cell::Unknown }
             };
             let grid = OccupancyGrid::new(info, (0..6400).map(cell).collect()).unwrap();
-            let walls = Submap::of_grid(&grid);
+            let walls = Submap::of_grid(&grid, &|| false).unwrap();
             prop_assert!(walls.surfaces().len() > 10);
             for surface in walls.surfaces() {
                 prop_assert!((surface.at.coords.dot(&facing) - offset).abs() < 0.06);
                 prop_assert!(surface.normal.dot(&facing) > 0.9, "{surface:?}");
             }
+        }
+    }
+
+    /// A square room in cells of 1 mm has the walls that it has in larger ones, and the search for them can be stopped.
+    #[test]
+    fn the_walls_of_a_fine_grid_are_found_in_larger_cells() {
+        let info =
+            GridInfo { resolution: 0.001, width: 1005, height: 1005, origin: Pose::new(-0.5, -0.5, 0.0) };
+        let cell = |offset: usize| {
+            let at = info.center(info.index(offset)).coords.amax();
+            if at < 0.4 {
+                Cell::Free
+            } else if at < 0.45 {
+                Cell::Occupied
+            } else {
+                Cell::Unknown
+            }
+        };
+        let grid = OccupancyGrid::new(info, (0..1005 * 1005).map(cell).collect()).unwrap();
+        let asked = std::cell::Cell::new(0);
+        let walls = Submap::of_grid(&grid, &|| asked.replace(asked.get() + 1) > 2000).unwrap();
+        assert!((10..200).contains(&walls.surfaces().len()), "{}", walls.surfaces().len());
+        for wall in walls.surfaces() {
+            assert!((wall.at.coords.amax() - 0.41).abs() < 0.03, "{wall:?}");
+            assert!(wall.at.coords.dot(&wall.normal) < 0.0, "{wall:?}");
+        }
+        for most in [0, 500, asked.get() - 1] {
+            asked.set(0);
+            assert!(Submap::of_grid(&grid, &|| asked.replace(asked.get() + 1) >= most).is_none());
         }
     }
 

@@ -79,7 +79,7 @@ impl Survey {
 
     /// Whether any travel was measured.
     pub fn is_measured(&self) -> bool {
-        self.measurements.any() && self.measurements.displacements().iter().any(Option::is_some)
+        self.measurements.any() && self.measurements.any_displacement()
     }
 
     /// Whether any observation came as a grid.
@@ -97,19 +97,21 @@ impl Survey {
         Some(self.seen.get(observation)?.point)
     }
 
-    /// What an observation shows of its place. Costs the cells of its LPM.
-    pub fn neighbourhood(&self, observation: usize) -> Option<Neighbourhood> {
-        let Seen { point, bearings, .. } = self.seen.get(observation)?.as_ref();
-        Some(match self.seen[observation].lpm() {
-            Some(lpm) => Neighbourhood::new(lpm, point, bearings.clone()),
-            None => Neighbourhood::of_star(bearings.clone()),
-        })
+    /// What an observation shows of its place; `None` where there is none, or `interrupted` said to stop. Costs the cells of
+    /// its LPM.
+    pub fn neighbourhood(&self, observation: usize, interrupted: &dyn Fn() -> bool) -> Option<Neighbourhood> {
+        let seen = self.seen.get(observation)?;
+        match seen.lpm() {
+            Some(lpm) => Neighbourhood::new(lpm, &seen.point, seen.bearings.clone(), interrupted),
+            None => Some(Neighbourhood::of_star(seen.bearings.clone())),
+        }
     }
 
     /// What its observations show of each other, with the bounds of the measured axioms.
     pub fn agreements(&self) -> Agreements<'_> {
         let MetricParameters { extent_sigma, bearing_sigma, .. } = MetricParameters::default();
-        Agreements::new(|observation| self.neighbourhood(observation), [extent_sigma, bearing_sigma])
+        let show = |observation, interrupted: &dyn Fn() -> bool| self.neighbourhood(observation, interrupted);
+        Agreements::new(show, [extent_sigma, bearing_sigma])
     }
 
     /// A candidate relaxed; `agreements` are those of this survey. Stops where `interrupted` says so.

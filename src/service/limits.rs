@@ -1,6 +1,7 @@
 //! What the service lets one client, and all of them, use.
 
 use crate::trace::ndjson::MAX_LINE;
+use std::ops::RangeInclusive;
 use std::time::Duration;
 
 /// Bounds, so that nothing grows without one. Every refusal names its bound.
@@ -34,6 +35,8 @@ pub struct Limits {
 }
 
 impl Limits {
+    /// Sides of the cells of a grid that may be asked for, metres.
+    pub const RESOLUTIONS: RangeInclusive<f64> = 0.01..=1.0;
     /// The observations of a walk that is short.
     pub const SHORT: usize = 64;
 

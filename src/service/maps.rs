@@ -2,13 +2,14 @@
 
 use crate::service::{
     Batch, Created, Intake, Interrupted, Limits, MapConfig, MapName, Session, SessionError, Store,
-    StoreError, Taken, View, Workers,
+    StoreError, Taken, View, Workers, view::Ranked,
 };
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 use thiserror::Error;
 use tokio::sync::{Mutex as TurnMutex, watch};
+use tokio::time::timeout;
 
 /// The maps. A clone is another handle to the same maps.
 #[derive(Clone)]
@@ -98,6 +99,24 @@ impl Maps {
         work: impl FnOnce(&dyn Fn() -> bool) -> T + Send + 'static,
     ) -> Result<T, MapsError> {
         Ok(self.patchworks.run_while_wanted(self.limits.patchwork_time, work).await?)
+    }
+
+    /// What a view found, with the simplest maps in order. One of those who wait relaxes them, and all others wait without a
+    /// thread; if that one goes away, the next begins anew with what visits were found to show of each other. Nobody waits
+    /// longer than the limits leave a patchwork: then the order is that of the assignments, this once.
+    pub async fn ranked(&self, view: &Arc<View>) -> Result<Arc<Ranked>, MapsError> {
+        if !view.has_ties() {
+            return Ok(view.unranked());
+        }
+        let rank = || async {
+            let view = Arc::clone(view);
+            self.lay_out(move |interrupted| view.rank(interrupted)).await.map_err(Some)?.ok_or(None)
+        };
+        match timeout(self.limits.patchwork_time, view.ranked.get_or_try_init(rank)).await {
+            Ok(Ok(ranked)) => Ok(Arc::clone(ranked)),
+            Ok(Err(Some(error))) => Err(error),
+            Ok(Err(None)) | Err(_) => Ok(view.unranked()),
+        }
     }
 
     /// While the work runs the session is out of its place: a panic leaves none rather than half of one.

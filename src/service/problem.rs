@@ -3,7 +3,9 @@
 use crate::abduction::Extinction;
 use crate::patchwork::local_frames::LocalFramesError;
 use crate::patchwork::merged::MergeError;
-use crate::service::{Fault, IntakeError, MapNameError, MapsError, Position, SessionError, StoreError};
+use crate::service::{
+    Fault, IntakeError, Limits, MapNameError, MapsError, Position, SessionError, StoreError,
+};
 use crate::trace::EventError;
 use axum::Json;
 use axum::http::{HeaderValue, StatusCode, header};
@@ -63,7 +65,7 @@ pub struct ProblemDocument {
     /// The columns and rows that the grid would have.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub size: Option<[usize; 2]>,
-    /// A resolution at which the grid would not be too large, metres.
+    /// A resolution at which the grid would not be too large, metres; left out if there is none that may be asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fitting: Option<f64>,
 }
@@ -298,15 +300,26 @@ impl From<MergeError> for Problem {
         let detail = error.to_string();
         match error {
             MergeError::TooLarge { width, height, fitting, .. } => {
+                let fits = Limits::RESOLUTIONS.contains(&fitting).then_some(fitting);
+                let detail = fits.map_or_else(|| far_off([width, height]), |_| detail);
                 Problem::new(ProblemKind::GridTooLarge, detail).with(|document| {
                     document.size = Some([width, height]);
-                    document.fitting = Some(fitting);
+                    document.fitting = fits;
                 })
             }
             MergeError::Interrupted => Problem::out_of_time(),
             MergeError::Grid(_) => Problem::new(ProblemKind::Internal, detail),
         }
     }
+}
+
+/// What is said of a grid too large at every resolution that may be asked for.
+fn far_off([width, height]: [usize; 2]) -> String {
+    let coarsest = Limits::RESOLUTIONS.end();
+    format!(
+        "the grid would be {width} x {height} cells, and too large in cells of {coarsest} m as well: the odometry of some travel \
+         leads far off; `poses` of the graph show which"
+    )
 }
 
 impl From<MapNameError> for Problem {
@@ -323,5 +336,26 @@ impl IntoResponse for Problem {
         response.headers_mut().insert(header::CONTENT_TYPE, HeaderValue::from_static(PROBLEM_JSON));
         response.extensions_mut().insert(self);
         response
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_resolution_that_may_be_asked_for_is_named() {
+        let too_large = |fitting| MergeError::TooLarge { width: 9, height: 8, most_cells: 7, fitting };
+        for fitting in [1.1, 1e9, f64::INFINITY, f64::NAN] {
+            let Problem(document) = too_large(fitting).into();
+            assert_eq!(
+                (document.code, document.size, document.fitting),
+                ("grid-too-large", Some([9, 8]), None)
+            );
+            assert!(document.detail.contains("far off"), "{}", document.detail);
+        }
+        let Problem(document) = too_large(0.3).into();
+        assert_eq!(document.fitting, Some(0.3));
+        assert!(document.detail.contains("0.3 m would do"), "{}", document.detail);
     }
 }

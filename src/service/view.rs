@@ -1,11 +1,12 @@
 //! What readers see of a map: a snapshot that no running search holds up.
 
 use crate::abduction::{Abduction, Assignment, Report};
-use crate::export::Ties;
+use crate::export::{TieOrder, Ties};
 use crate::patchwork::local_frames::{Agreements, Known, LocalFrames, LocalFramesError};
 use crate::patchwork::survey::Survey;
 use crate::service::{MapConfig, Session};
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use tokio::sync::OnceCell;
 
 /// A map after some of its events.
 #[derive(Clone, Debug)]
@@ -20,8 +21,8 @@ pub struct View {
     pub report: Arc<Report>,
     /// What the events tell the patchwork.
     pub survey: Arc<Survey>,
-    /// The same report once the simplest maps are in order.
-    ranked: Arc<OnceLock<Ranked>>,
+    /// The same report once the simplest maps are in order. Empty as long as nobody asked, or nobody waited for it.
+    pub(super) ranked: Arc<OnceCell<Arc<Ranked>>>,
     /// What visits show of each other, as far as it was asked of this view or another of the map: most of the work, and the
     /// same however the map grows.
     known: Arc<Mutex<Known>>,
@@ -31,7 +32,7 @@ pub struct View {
 #[derive(Clone, Debug)]
 pub struct Ranked {
     /// What was found. Its first simplest map is the preferred one.
-    pub report: Report,
+    pub report: Arc<Report>,
     /// What told the simplest maps apart, where there are several and travels were measured.
     pub ties: Option<Ties>,
 }
@@ -90,18 +91,36 @@ impl View {
         self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What was found, with the simplest maps in order. The first to ask relaxes those that tie, a bounded number
-    /// ([`crate::patchwork::ties`]): belongs to a worker.
-    pub fn ranked(&self) -> &Ranked {
-        self.ranked.get_or_init(|| {
-            let mut report = Report::clone(&self.report);
+    /// Whether what was measured may tell several simplest maps apart.
+    pub(super) fn has_ties(&self) -> bool {
+        self.report.minimal.len() > 1 && self.survey.is_measured()
+    }
+
+    /// What was found, with the simplest maps in the order of their assignments.
+    pub(super) fn unranked(&self) -> Arc<Ranked> {
+        let ties = self.has_ties().then(|| Ties {
+            ordered_by: TieOrder::Assignment,
+            strains: vec![None; self.report.minimal.len()],
+        });
+        Arc::new(Ranked { report: Arc::clone(&self.report), ties })
+    }
+
+    /// What was found, with the simplest maps in order; `None` where `interrupted` says to stop. Relaxes those that tie, a
+    /// bounded number ([`crate::patchwork::ties`]): belongs to a worker.
+    pub(super) fn rank(&self, interrupted: &dyn Fn() -> bool) -> Option<Arc<Ranked>> {
+        if !self.has_ties() {
+            return Some(self.unranked());
+        }
+        let mut report = Report::clone(&self.report);
+        let rank =
+            |agreements: &mut Agreements<'_>| Ties::rank(&mut report, &self.survey, agreements, interrupted);
+        let ties = match self.agreeing(rank) {
+            Ok(ties) => ties,
+            Err(LocalFramesError::Interrupted) => return None,
             // Measurements that cannot be relaxed do not tell the maps apart.
-            let rank = |agreements: &mut Agreements<'_>| {
-                Ties::rank(&mut report, &self.survey, agreements, &|| false)
-            };
-            let ties = self.agreeing(rank).ok().flatten();
-            Ranked { report, ties }
-        })
+            Err(LocalFramesError::Graph(_) | LocalFramesError::Relax(_)) => None,
+        };
+        Some(Arc::new(Ranked { report: Arc::new(report), ties }))
     }
 
     fn with_report(session: &Session, report: Arc<Report>) -> View {

@@ -1,11 +1,14 @@
 //! Answers to reads: with a strong ETag, mostly JSON.
 
+use crate::service::http::extract::CandidateName;
 use crate::service::problem::{Problem, ProblemKind};
+use crate::service::view::Ranked;
 use crate::service::{MapName, Maps, View};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use std::hash::{DefaultHasher, Hasher};
+use std::sync::Arc;
 
 /// Reads something of a map as it is now, on a worker.
 pub(super) async fn read<T: Serialize>(
@@ -17,6 +20,33 @@ pub(super) async fn read<T: Serialize>(
     let view = maps.view(name).await?;
     let read = move || Representation::of(&something(&view)?);
     Ok(maps.read(read).await??.answer(request))
+}
+
+/// Reads something of candidates of a map as it is now, on a worker.
+pub(super) async fn read_candidates<T: Serialize>(
+    maps: &Maps,
+    name: &MapName,
+    candidates: &[CandidateName],
+    request: &HeaderMap,
+    something: impl FnOnce(&View, &Ranked) -> Result<T, Problem> + Send + 'static,
+) -> Result<Response, Problem> {
+    let view = maps.view(name).await?;
+    let ranked = ranked_for(maps, &view, candidates).await?;
+    let read = move || Representation::of(&something(&view, &ranked)?);
+    Ok(maps.read(read).await??.answer(request))
+}
+
+/// What a view found, in an order in which these candidates can be looked up: only the preferred one depends on it. It may
+/// have to wait, which must not be on a worker.
+pub(super) async fn ranked_for(
+    maps: &Maps,
+    view: &Arc<View>,
+    candidates: &[CandidateName],
+) -> Result<Arc<Ranked>, Problem> {
+    match candidates.contains(&CandidateName::Preferred) {
+        true => Ok(maps.ranked(view).await?),
+        false => Ok(view.unranked()),
+    }
 }
 
 /// Bytes of some media type and their tag.

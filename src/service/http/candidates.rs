@@ -3,10 +3,11 @@
 use crate::abduction::Candidate;
 use crate::explanation::{Verdict, verdict};
 use crate::export::{Count, MapGraph, Preferred};
-use crate::service::http::answer::{Representation, read};
+use crate::service::http::answer::{Representation, ranked_for, read, read_candidates};
 use crate::service::http::cursor::Cursor;
 use crate::service::http::extract::{CandidateName, CandidatePath, GraphQuery, MapPath, PageQuery};
 use crate::service::problem::{Problem, ProblemKind};
+use crate::service::view::Ranked;
 use crate::service::{Maps, View};
 use axum::extract::State;
 use axum::http::HeaderMap;
@@ -121,8 +122,9 @@ pub(super) async fn get_preferred(
     MapPath(name): MapPath,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let preferred = |view: &View| Preferred::of(&view.ranked().report).ok_or_else(|| none_left(view));
-    read(&maps, &name, &headers, preferred).await
+    let preferred =
+        |view: &View, ranked: &Ranked| Preferred::of(&ranked.report).ok_or_else(|| none_left(view));
+    read_candidates(&maps, &name, &[CandidateName::Preferred], &headers, preferred).await
 }
 
 /// Read the map of a candidate as a graph.
@@ -156,11 +158,12 @@ pub(super) async fn get_graph(
 ) -> Result<Response, Problem> {
     let view = maps.view(&name).await?;
     if !(poses && view.survey.is_measured()) {
-        let graph = move |view: &View| Ok(MapGraph::of(&candidate.find(view)?));
-        return read(&maps, &name, &headers, graph).await;
+        let graph = move |view: &View, ranked: &Ranked| Ok(MapGraph::of(&candidate.find(view, ranked)?));
+        return read_candidates(&maps, &name, &[candidate], &headers, graph).await;
     }
+    let ranked = ranked_for(&maps, &view, &[candidate]).await?;
     let graph = move |interrupted: &dyn Fn() -> bool| {
-        let candidate = candidate.find(&view)?;
+        let candidate = candidate.find(&view, &ranked)?;
         let frames = view.relax(&candidate.visits, interrupted)?;
         Representation::of(&MapGraph::of(&candidate).with_frames(&candidate, &frames))
     };
@@ -169,15 +172,15 @@ pub(super) async fn get_graph(
 
 impl CandidateName {
     /// The candidate in a view.
-    pub(super) fn find(self, view: &View) -> Result<Candidate, Problem> {
-        view.abduction.candidate(self.position(view)?).ok_or_else(|| none_left(view))
+    pub(super) fn find(self, view: &View, ranked: &Ranked) -> Result<Candidate, Problem> {
+        view.abduction.candidate(self.position(view, ranked)?).ok_or_else(|| none_left(view))
     }
 
     /// The position of the candidate in a view.
-    pub(super) fn position(self, view: &View) -> Result<usize, Problem> {
-        let preferred = preferred(view)?;
+    pub(super) fn position(self, view: &View, ranked: &Ranked) -> Result<usize, Problem> {
         match self {
-            CandidateName::Preferred => Ok(preferred),
+            _ if ranked.report.minimal.is_empty() => Err(none_left(view)),
+            CandidateName::Preferred => preferred(view, ranked),
             CandidateName::At(position) if position < view.abduction.len() => Ok(position),
             CandidateName::At(position) => Err(Problem::new(
                 ProblemKind::UnknownCandidate,
@@ -191,8 +194,8 @@ impl CandidateName {
 }
 
 /// The position of the preferred candidate in a view.
-pub(super) fn preferred(view: &View) -> Result<usize, Problem> {
-    let visits = view.ranked().report.minimal.first().map(|candidate| &candidate.visits);
+fn preferred(view: &View, ranked: &Ranked) -> Result<usize, Problem> {
+    let visits = ranked.report.minimal.first().map(|candidate| &candidate.visits);
     match visits.and_then(|visits| verdict(&view.abduction, visits)) {
         Some(Verdict::Kept(position)) => Ok(position),
         _ => Err(none_left(view)),

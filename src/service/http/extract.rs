@@ -1,14 +1,13 @@
 //! What handlers take from paths and queries; refusals are problems.
 
-use crate::service::MapName;
 use crate::service::http::accept::GridFormat;
 use crate::service::problem::{Problem, ProblemKind};
+use crate::service::{Limits, MapName};
 use axum::extract::rejection::{PathRejection, QueryRejection};
 use axum::extract::{FromRequestParts, Path, Query};
 use axum::http::request::Parts;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
-use std::ops::RangeInclusive;
 use std::str::FromStr;
 use utoipa::IntoParams;
 
@@ -229,9 +228,6 @@ impl<S: Send + Sync> FromRequestParts<S> for GraphQuery {
     }
 }
 
-/// Sides of cells that may be asked for, metres.
-const RESOLUTIONS: RangeInclusive<f64> = 0.01..=1.0;
-
 /// Which grid.
 #[derive(Clone, Copy, Debug, Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
@@ -255,10 +251,10 @@ impl<S: Send + Sync> FromRequestParts<S> for GridQuery {
 
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
         let query: GridQuery = query(parts, state).await?;
-        if RESOLUTIONS.contains(&query.resolution) {
+        if Limits::RESOLUTIONS.contains(&query.resolution) {
             return Ok(query);
         }
-        let (least, most) = (RESOLUTIONS.start(), RESOLUTIONS.end());
+        let (least, most) = Limits::RESOLUTIONS.into_inner();
         let detail = format!("resolution is {}, expected {least} to {most} metres a cell", query.resolution);
         Err(Problem::new(ProblemKind::InvalidQuery, detail))
     }

@@ -4,9 +4,10 @@ use crate::export::{GridDocument, map_pgm, map_png};
 use crate::grid::OccupancyGrid;
 use crate::patchwork::merged::Canvas;
 use crate::service::http::accept::GridFormat;
-use crate::service::http::answer::Representation;
+use crate::service::http::answer::{Representation, ranked_for};
 use crate::service::http::extract::{CandidateName, CandidatePath, GridQuery};
 use crate::service::problem::{Problem, ProblemKind};
+use crate::service::view::Ranked;
 use crate::service::{Maps, View};
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, header};
@@ -59,8 +60,9 @@ pub(super) async fn get_grid(
     let format = format.map_or_else(|| GridFormat::accepted(&headers), Ok)?;
     let view = maps.view(&name).await?;
     let canvas = Canvas { resolution, most_cells: maps.limits().cells_per_answer };
+    let ranked = ranked_for(&maps, &view, &[candidate]).await?;
     let work = move |interrupted: &dyn Fn() -> bool| {
-        let grid = grid(&view, candidate, &canvas, interrupted)?;
+        let grid = grid((&view, &ranked), candidate, &canvas, interrupted)?;
         encoded(&grid, format)
     };
     let mut response = maps.lay_out(work).await??.answer(&headers);
@@ -69,12 +71,12 @@ pub(super) async fn get_grid(
 }
 
 fn grid(
-    view: &View,
+    (view, ranked): (&View, &Ranked),
     candidate: CandidateName,
     canvas: &Canvas,
     interrupted: &dyn Fn() -> bool,
 ) -> Result<OccupancyGrid, Problem> {
-    let (candidate, survey) = (candidate.find(view)?, &view.survey);
+    let (candidate, survey) = (candidate.find(view, ranked)?, &view.survey);
     if !survey.has_grids() {
         return Err(missing("no observation of the map is a grid, expected some with `lpm`"));
     }

@@ -5,6 +5,7 @@ use crate::service::http::answer::Representation;
 use crate::service::http::body::{MediaType, whole};
 use crate::service::http::extract::MapPath;
 use crate::service::problem::{Problem, ProblemKind};
+use crate::service::view::Ranked;
 use crate::service::{Created, MapConfig, MapName, Maps, View, WireMapConfig};
 use crate::trace::EventError;
 use axum::body::Body;
@@ -32,9 +33,8 @@ pub(super) struct MapState {
 }
 
 impl MapState {
-    fn of(name: &MapName, view: &View) -> MapState {
+    fn of(name: &MapName, view: &View, ranked: &Ranked) -> MapState {
         let MapConfig { max_candidates, max_memory, .. } = view.config;
-        let ranked = view.ranked();
         let report = Report { ties: ranked.ties.clone(), ..Report::new(&ranked.report) };
         MapState { map: name.to_string(), next_seq: view.next_seq, max_candidates, max_memory, report }
     }
@@ -97,7 +97,8 @@ pub(super) async fn get_map(
 
 async fn state(maps: &Maps, name: MapName) -> Result<Representation, Problem> {
     let view = maps.view(&name).await?;
-    maps.read(move || Representation::of(&MapState::of(&name, &view))).await?
+    let ranked = maps.ranked(&view).await?;
+    maps.read(move || Representation::of(&MapState::of(&name, &view, &ranked))).await?
 }
 
 async fn read_config(maps: &Maps, headers: &HeaderMap, body: &mut Body) -> Result<MapConfig, Problem> {

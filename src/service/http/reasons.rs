@@ -2,13 +2,14 @@
 
 use crate::explanation::{difference, node, outlook};
 use crate::export::{Difference, Explanation, Outlook, TreeExtent, TreeNode};
-use crate::service::http::answer::read;
-use crate::service::http::candidates::{none_left, preferred};
+use crate::service::http::answer::{read, read_candidates};
+use crate::service::http::candidates::none_left;
 use crate::service::http::cursor::Cursor;
 use crate::service::http::extract::{
-    CandidatePair, CandidatePath, MapPath, NextQuery, TreeQuery, VisitsQuery,
+    CandidateName, CandidatePair, CandidatePath, MapPath, NextQuery, TreeQuery, VisitsQuery,
 };
 use crate::service::problem::{Problem, ProblemKind};
+use crate::service::view::Ranked;
 use crate::service::{Maps, View};
 use axum::extract::State;
 use axum::http::HeaderMap;
@@ -28,7 +29,9 @@ pub(super) struct TreePage {
 impl TreePage {
     fn of(view: &View, query: &TreeQuery) -> Result<TreePage, Problem> {
         let skip = query.cursor.as_ref().map_or(Ok(0), |cursor| Cursor::start(cursor, view))?;
-        preferred(view)?;
+        if view.report.minimal.is_empty() {
+            return Err(none_left(view));
+        }
         let abduction = &view.abduction;
         let Some(node) = node(abduction, query.observation, query.candidate) else {
             let [observation, candidate] = [abduction.observations() - 1, abduction.len() - 1];
@@ -104,15 +107,15 @@ pub(super) async fn get_explanation(
     VisitsQuery { visits }: VisitsQuery,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let reasons = move |view: &View| {
-        let candidate = candidate.position(view)?;
+    let reasons = move |view: &View, ranked: &Ranked| {
+        let position = candidate.position(view, ranked)?;
         let last = view.abduction.observations().saturating_sub(1);
-        Explanation::of(&view.abduction, candidate, visits).ok_or_else(|| {
+        Explanation::of(&view.abduction, position, visits).ok_or_else(|| {
             let detail = format!("visits: expected two different observations of 0 to {last}");
             Problem::new(ProblemKind::InvalidQuery, detail)
         })
     };
-    read(&maps, &name, &headers, reasons).await
+    read_candidates(&maps, &name, &[candidate], &headers, reasons).await
 }
 
 /// Read what differs between two candidates.
@@ -138,12 +141,12 @@ pub(super) async fn get_difference(
     CandidatePair(name, first, second): CandidatePair,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let differs = move |view: &View| {
-        let both = [first.position(view)?, second.position(view)?];
+    let differs = move |view: &View, ranked: &Ranked| {
+        let both = [first.position(view, ranked)?, second.position(view, ranked)?];
         let found = difference(&view.abduction, both).ok_or_else(|| none_left(view))?;
         Ok(Difference::of(&found, both))
     };
-    read(&maps, &name, &headers, differs).await
+    read_candidates(&maps, &name, &[first, second], &headers, differs).await
 }
 
 /// Read where to look next.
@@ -172,9 +175,10 @@ pub(super) async fn get_next(
     NextQuery { limit }: NextQuery,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let next = move |view: &View| {
-        let found = outlook(&view.abduction, preferred(view)?).ok_or_else(|| none_left(view))?;
+    let next = move |view: &View, ranked: &Ranked| {
+        let found = outlook(&view.abduction, CandidateName::Preferred.position(view, ranked)?)
+            .ok_or_else(|| none_left(view))?;
         Ok(Outlook::of(&found, limit))
     };
-    read(&maps, &name, &headers, next).await
+    read_candidates(&maps, &name, &[CandidateName::Preferred], &headers, next).await
 }

@@ -302,3 +302,41 @@ async fn the_least_strained_of_equally_simple_maps_is_preferred() {
     let words = crate::cli::text(&fed(&["map", "-", "--profile", "paper"], ndjson(&trace).as_bytes()).stdout);
     assert!(words.contains("preferred as the least strained of them; strain "), "{words}");
 }
+
+/// Whoever asks is answered, in the order of assignments, where the strain is not known in time.
+#[tokio::test]
+async fn a_tie_that_takes_too_long_stays_in_the_order_of_assignments() {
+    let hasty = Limits { patchwork_time: Duration::ZERO, ..Limits::default() };
+    let client = with_office(hasty, r#"{"profile":"paper"}"#).await;
+    let map = client.get("/v1/maps/office").await;
+    assert_eq!(map.status, 200);
+    let map = map.json();
+    assert_eq!(map["ties"], json!({"ordered_by": "assignment", "strains": [null, null]}));
+    assert_eq!(map["minimal"][0], map["preferred"]["visits"]);
+    let visits = |at: usize| serde_json::from_value::<Vec<usize>>(map["minimal"][at].clone()).unwrap();
+    assert!(visits(0) <= visits(1), "{}", map["minimal"]);
+    let candidates = "/v1/maps/office/candidates";
+    for path in ["preferred", "preferred/explain", "preferred/diff/0", "0/graph?poses=false"] {
+        assert_eq!(client.get(&format!("{candidates}/{path}")).await.status, 200, "{path}");
+    }
+    assert_eq!(client.get(&format!("{candidates}/preferred")).await.json(), map["preferred"]);
+}
+
+/// Many who ask at once get one answer, and those who go away take it from nobody.
+#[tokio::test(flavor = "multi_thread")]
+async fn who_asks_at_once_is_told_the_same_order() {
+    let client = std::sync::Arc::new(with_office(Limits::default(), r#"{"profile":"paper"}"#).await);
+    let ask = || {
+        let client = std::sync::Arc::clone(&client);
+        tokio::spawn(async move { client.get("/v1/maps/office").await.json() })
+    };
+    let gone = ask();
+    let asking: Vec<_> = (0..8).map(|_| ask()).collect();
+    tokio::task::yield_now().await;
+    gone.abort();
+    for answer in asking {
+        let map = answer.await.unwrap();
+        assert_eq!(map["ties"]["ordered_by"], "strain");
+        assert_eq!(map["preferred"]["visits"], json!(office().places));
+    }
+}
