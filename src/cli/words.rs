@@ -20,13 +20,18 @@ fn ties_in_words(report: &Report, ties: Option<&Ties>) -> String {
     let strain = |at: usize| match ties.map(|ties| ties.strains.get(at).copied().flatten()) {
         None => String::new(),
         Some(None) => "; not relaxed".into(),
-        Some(Some(TieStrain { chi_square, degrees_of_freedom, log10_probability })) => {
+        Some(Some(TieStrain { chi_square, degrees_of_freedom, walls_differ, log10_probability })) => {
             let probability = match log10_probability {
                 common if common > -2.0 => format!("{:.2}", 10_f64.powf(common)),
                 rare => format!("1e{rare:.0}"),
             };
+            let walls = match walls_differ {
+                0 => String::new(),
+                1 => "walls differ on a visit to a known place, ".into(),
+                visits => format!("walls differ on {visits} visits to known places, "),
+            };
             format!(
-                "; strain {chi_square:.1} with {degrees_of_freedom} degrees of freedom, probability {probability}"
+                "; strain {chi_square:.1} with {degrees_of_freedom} degrees of freedom, {walls}probability {probability}"
             )
         }
     };

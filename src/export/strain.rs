@@ -2,6 +2,7 @@
 
 use crate::geometry::Pose;
 use crate::patchwork::Outcome;
+use crate::patchwork::agreement::Walls;
 use crate::patchwork::local_frames::{EdgeStrain, LocalFrames};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -39,10 +40,34 @@ pub struct StrainedSpan {
     pub observations: [usize; 2],
     /// Whether this is the travel between them, or else that both are at one place.
     pub travelled: bool,
+    /// What the walls seen on the two visits say of their being to one place; null of a travel.
+    pub walls: Option<WallsCompared>,
     /// Its chi-square.
     pub chi_square: f64,
     /// How many numbers it measures.
     pub degrees_of_freedom: usize,
+}
+
+/// What the walls seen on two visits say of their being to one place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum WallsCompared {
+    /// They lie on each other, and the closure says how.
+    Alike,
+    /// They do not, wherever they are laid: the closure joins the points of the place and the bearings.
+    Differ,
+    /// A visit shows none: the same closure.
+    Untold,
+}
+
+impl WallsCompared {
+    fn of(walls: Walls) -> WallsCompared {
+        match walls {
+            Walls::Alike => WallsCompared::Alike,
+            Walls::Differ => WallsCompared::Differ,
+            Walls::Untold => WallsCompared::Untold,
+        }
+    }
 }
 
 impl MapStrain {
@@ -62,7 +87,8 @@ impl StrainSum {
     pub fn of(frames: &LocalFrames) -> StrainSum {
         let span = |edge: &EdgeStrain| StrainedSpan {
             observations: edge.visits,
-            travelled: edge.travelled,
+            travelled: edge.walls.is_none(),
+            walls: edge.walls.map(WallsCompared::of),
             chi_square: edge.strain.chi_square,
             degrees_of_freedom: edge.strain.degrees_of_freedom,
         };

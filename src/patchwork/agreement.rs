@@ -17,6 +17,26 @@ pub struct Neighbourhood {
     pub bearings: Vec<Option<f64>>,
 }
 
+/// How two visits to one place lie to each other, and what their walls say of its being one place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Agreement {
+    /// The frame of the later visit in that of the earlier one.
+    pub alignment: Alignment,
+    /// Whether that is by their walls.
+    pub walls: Walls,
+}
+
+/// What the walls of two visits say of their being to one place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Walls {
+    /// They lie on each other.
+    Alike,
+    /// They do not, wherever they are laid: this is hardly one place, unless it was rearranged.
+    Differ,
+    /// There are none on one of the visits.
+    Untold,
+}
+
 /// How far the points of a place, as found on two visits, are apart at most, metres; and how far bearings may mislead,
 /// radians.
 const REACH: f64 = 1.5;
@@ -40,16 +60,33 @@ impl Neighbourhood {
         Neighbourhood { walls: Submap::default(), bearings }
     }
 
-    /// The frame of a later visit in that of this one, both to one place, when slot `k` of the later star is slot
-    /// `k + rotation` of this one. Where walls do not tell, the points of the place and the bearings do, with these
-    /// standard deviations on one visit, metres and radians.
-    pub fn agreement(&self, later: &Neighbourhood, rotation: usize, sigmas: [f64; 2]) -> Option<Alignment> {
+    /// How a later visit lies to this one, both to one place, when slot `k` of the later star is slot `k + rotation` of
+    /// this one. Where walls do not tell, the points of the place and the bearings do, with these standard deviations on
+    /// one visit, metres and radians. `None` where nothing does, or `interrupted` said to stop.
+    pub fn agreement(
+        &self,
+        later: &Neighbourhood,
+        rotation: usize,
+        sigmas: [f64; 2],
+        interrupted: &dyn Fn() -> bool,
+    ) -> Option<Agreement> {
         let known = self.turn(later, rotation);
         // Where no bearings tell, every direction may be.
         let (about, turn) = known.map_or((0.0, PI), |about| (about, TURN));
         let pose = Pose::new(0.0, 0.0, about);
-        let aligned = Around { pose, reach: REACH, turn }.align(&later.walls, &self.walls);
-        aligned.or_else(|| known.map(|_| points(pose, sigmas)))
+        let around = Around { pose, reach: REACH, turn };
+        match around.align(&later.walls, &self.walls, interrupted) {
+            Some(alignment) => Some(Agreement { alignment, walls: Walls::Alike }),
+            None => known.map(|_| Agreement { alignment: points(pose, sigmas), walls: self.unlike(later) }),
+        }
+    }
+
+    /// What walls say that cannot be laid onto each other.
+    fn unlike(&self, later: &Neighbourhood) -> Walls {
+        match [self, later].iter().any(|visit| visit.walls.surfaces().is_empty()) {
+            true => Walls::Untold,
+            false => Walls::Differ,
+        }
     }
 
     /// How far the bearings of a later visit are to be turned, on average, to lie on those of this one.

@@ -47,13 +47,16 @@ const SCORING: usize = 120;
 /// Reaches of the rounds of matching, metres, and the steps of each at most.
 const REACHES: [f64; 3] = [1.0, 0.5, 0.25];
 const STEPS: usize = 6;
+/// So many pieces of wall are compared between two questions whether to stop.
+const TOGETHER: usize = 4096;
 /// Two submaps show the same walls where so many of the smaller one's are found on the other, so near on average.
 const SHARE: f64 = 0.5;
 const STRAY: f64 = 0.08;
 
 impl Around {
-    /// The best alignment, if both submaps show the same walls. Costs the starts times the points that score them.
-    pub fn align(&self, one: &Submap, other: &Submap) -> Option<Alignment> {
+    /// The best alignment, if both submaps show the same walls; `None` too where `interrupted` said to stop, which is asked
+    /// before each start and now and then when walls are compared. Costs the starts times the points that score them.
+    pub fn align(&self, one: &Submap, other: &Submap, interrupted: &dyn Fn() -> bool) -> Option<Alignment> {
         let thinned = one.surfaces().len().div_ceil(SCORING).max(1);
         let score = |start: &Pose| {
             let sample = one.surfaces().iter().step_by(thinned);
@@ -61,12 +64,15 @@ impl Around {
         };
         let mut best: Option<(usize, Pose)> = None;
         for start in self.starts() {
+            if interrupted() {
+                return None;
+            }
             let score = score(&start);
             if best.is_none_or(|(most, _)| score > most) {
                 best = Some((score, start));
             }
         }
-        settle(one, other, best?.1, &Matrix3::zeros()).filter(Alignment::is_same)
+        settle(one, other, best?.1, &Matrix3::zeros(), interrupted).filter(Alignment::is_same)
     }
 
     fn starts(&self) -> impl Iterator<Item = Pose> {
@@ -92,13 +98,25 @@ impl Alignment {
 }
 
 /// Gauss and Newton from a start, which `trust` holds (the inverse of a covariance in the other's frame); `None` where
-/// walls do not fix a pose.
-pub fn settle(one: &Submap, other: &Submap, start: Pose, trust: &Matrix3<f64>) -> Option<Alignment> {
+/// walls do not fix a pose, or `interrupted` said to stop.
+pub fn settle(
+    one: &Submap,
+    other: &Submap,
+    start: Pose,
+    trust: &Matrix3<f64>,
+    interrupted: &dyn Fn() -> bool,
+) -> Option<Alignment> {
     let mut pose = start;
     let mut found = None;
     for reach in REACHES {
         for _ in 0..STEPS {
-            let sums = compare(one.surfaces(), other, &pose, reach);
+            let mut sums = Sums::default();
+            for some in one.surfaces().chunks(TOGETHER) {
+                if interrupted() {
+                    return None;
+                }
+                sums.compare(some, other, &pose, reach);
+            }
             let away = Vector3::new(pose.x - start.x, pose.y - start.y, wrap_angle(pose.theta - start.theta));
             let step = (sums.information + trust).try_inverse()? * (sums.pull + trust * away);
             pose = Pose::new(pose.x - step.x, pose.y - step.y, pose.theta - step.z);
@@ -127,22 +145,23 @@ struct Sums {
     squares: f64,
 }
 
-fn compare(seen: &[Surface], walls: &Submap, pose: &Pose, reach: f64) -> Sums {
-    let mut sums = Sums::default();
-    for surface in seen {
-        let there = moved(surface, pose);
-        let Some(wall) = walls.nearest(&there, reach) else { continue };
-        let off = wall.normal.dot(&(there.at - wall.at));
-        let arm = there.at - pose.position();
-        let slope = Vector3::new(wall.normal.x, wall.normal.y, arm.perp(&wall.normal));
-        // Cauchy's weight: what does not fit counts less.
-        let weight = 1.0 / (NOISE * NOISE + off * off / 4.0);
-        sums.information += slope * slope.transpose() * weight;
-        sums.pull += slope * (weight * off);
-        sums.near += 1.0;
-        sums.squares += off * off;
+impl Sums {
+    /// Adds what some pieces of wall lie off those of a submap, at a pose in its frame.
+    fn compare(&mut self, seen: &[Surface], walls: &Submap, pose: &Pose, reach: f64) {
+        for surface in seen {
+            let there = moved(surface, pose);
+            let Some(wall) = walls.nearest(&there, reach) else { continue };
+            let off = wall.normal.dot(&(there.at - wall.at));
+            let arm = there.at - pose.position();
+            let slope = Vector3::new(wall.normal.x, wall.normal.y, arm.perp(&wall.normal));
+            // Cauchy's weight: what does not fit counts less.
+            let weight = 1.0 / (NOISE * NOISE + off * off / 4.0);
+            self.information += slope * slope.transpose() * weight;
+            self.pull += slope * (weight * off);
+            self.near += 1.0;
+            self.squares += off * off;
+        }
     }
-    sums
 }
 
 /// A piece of wall in another frame: `pose` is `other_from_one`.
@@ -189,7 +208,7 @@ mod tests {
             let back = truth.inverse();
             let one = Submap::new(junction().iter().map(|surface| moved(surface, &back)));
             let other = Submap::new(junction());
-            let found = Around { pose: about, reach: 1.5, turn: 0.3 }.align(&one, &other).unwrap();
+            let found = Around { pose: about, reach: 1.5, turn: 0.3 }.align(&one, &other, &|| false).unwrap();
             let off = truth.inverse().compose(&found.pose);
             prop_assert!(off.x.hypot(off.y) < 0.03 && off.theta.abs() < 0.01, "{off:?} {found:?}");
         }
@@ -201,7 +220,7 @@ mod tests {
             let frame = Pose::new(0.0, 0.0, turn);
             let one = Submap::new(corridor().map(|surface| moved(&surface, &frame.inverse())));
             let trust = Matrix3::from_diagonal_element(1e-3);
-            let found = settle(&one, &Submap::new(corridor()), frame, &trust).unwrap();
+            let found = settle(&one, &Submap::new(corridor()), frame, &trust, &|| false).unwrap();
             let along = frame.inverse().rotate(&Vector::new(1.0, 0.0));
             let along = Vector3::new(along.x, along.y, 0.0);
             let aside = Vector3::new(-along.y, along.x, 0.0);
@@ -214,8 +233,25 @@ mod tests {
     fn what_shows_other_walls_is_not_laid_on() {
         let around = Around { pose: Pose::IDENTITY, reach: 1.5, turn: 0.3 };
         let room = Submap::new(walls(&[(-3.0, -2.5), (3.5, -2.5), (3.5, 3.0), (-3.0, 3.0), (-3.0, -2.5)]));
-        assert_eq!(around.align(&room, &Submap::new(junction())), None);
-        assert_eq!(around.align(&room, &Submap::default()), None);
-        assert_eq!(around.align(&Submap::default(), &room), None);
+        let align = |one: &Submap, other: &Submap| around.align(one, other, &|| false);
+        assert_eq!(align(&room, &Submap::new(junction())), None);
+        assert_eq!(align(&room, &Submap::default()), None);
+        assert_eq!(align(&Submap::default(), &room), None);
+    }
+
+    #[test]
+    fn laying_on_stops_wherever_it_is_told_to() {
+        let around = Around { pose: Pose::IDENTITY, reach: 1.5, turn: 0.3 };
+        let junction = Submap::new(junction());
+        let asked = std::cell::Cell::new(0);
+        let after = |most: usize| {
+            asked.set(0);
+            around.align(&junction, &junction, &|| asked.replace(asked.get() + 1) >= most)
+        };
+        let found = after(usize::MAX).unwrap();
+        let questions = asked.get();
+        assert!(questions > 343, "{questions}");
+        assert_eq!([0, 342, 343, questions - 1].map(after), [None; 4]);
+        assert_eq!(after(questions), Some(found));
     }
 }

@@ -1,7 +1,8 @@
 //! From a map and a drive to a pose graph: what the map says is one place is one place.
 
 use crate::geometry::Pose;
-use crate::patchwork::alignment::{Alignment, moved, settle};
+use crate::patchwork::agreement::Agreement;
+use crate::patchwork::alignment::{moved, settle};
 use crate::patchwork::drive::{Drive, Frame, adjoint};
 use crate::patchwork::submap::Submap;
 use crate::patchwork::{
@@ -23,8 +24,8 @@ pub struct Stop {
 pub struct Closure {
     /// Number of the earlier visit, and of the later one.
     pub visits: [usize; 2],
-    /// The frame of the later one in that of the earlier one.
-    pub alignment: Alignment,
+    /// What they show of each other.
+    pub agreement: Agreement,
 }
 
 /// A drive relaxed: where its frames lie.
@@ -110,9 +111,10 @@ fn closing(drive: &Drive, stops: &[Stop], closure: &Closure) -> Option<Edge> {
         Some((frame, visit_from_frame))
     });
     let ((from, one_from_frame), (to, other_from_frame)) = (one?, other?);
-    let displacement = one_from_frame.inverse().compose(&closure.alignment.pose).compose(&other_from_frame);
+    let found = closure.agreement.alignment;
+    let displacement = one_from_frame.inverse().compose(&found.pose).compose(&other_from_frame);
     let felt = adjoint(&other_from_frame);
-    let information = felt.transpose() * closure.alignment.information * felt;
+    let information = felt.transpose() * found.information * felt;
     (from != to).then(|| Edge {
         from: PoseId(from as u64),
         to: PoseId(to as u64),
@@ -129,7 +131,7 @@ pub fn passes(drive: &Drive, poses: &[Pose]) -> Vec<Edge> {
     let edge = |(from, to): (usize, usize)| {
         let seen = Submap::new(drive.frames()[to].walls.iter().copied());
         let start = poses[from].inverse().compose(&poses[to]);
-        let found = settle(&seen, &around(drive, poses, from), start, &trust)?;
+        let found = settle(&seen, &around(drive, poses, from), start, &trust, &|| false)?;
         (found.is_same() && drive.frames()[to].walls.len() >= ENOUGH).then(|| Edge {
             from: PoseId(from as u64),
             to: PoseId(to as u64),
@@ -187,6 +189,8 @@ fn symmetric(matrix: Matrix3<f64>) -> Matrix3<f64> {
 mod tests {
     use super::*;
     use crate::geometry::{Point, Vector};
+    use crate::patchwork::agreement::Walls;
+    use crate::patchwork::alignment::Alignment;
     use crate::patchwork::drive::DriveRecorder;
     use crate::sensor::log::LaserNumber;
     use crate::sensor::surface::Surface;
@@ -273,7 +277,7 @@ mod tests {
                 share: 1.0,
                 stray: 0.0,
             };
-            Closure { visits: [0, visit], alignment }
+            Closure { visits: [0, visit], agreement: Agreement { alignment, walls: Walls::Alike } }
         };
         (scans.iter().map(stop).collect(), (1..scans.len()).map(closure).collect())
     }

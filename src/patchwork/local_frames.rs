@@ -3,14 +3,14 @@
 
 use crate::abduction::Assignment;
 use crate::geometry::Pose;
-use crate::patchwork::agreement::Neighbourhood;
-use crate::patchwork::alignment::Alignment;
+use crate::patchwork::agreement::{Agreement, Neighbourhood, Walls};
 use crate::patchwork::assembly::Closure;
 use crate::patchwork::drive::turned;
 use crate::patchwork::{
     Edge, GraphError, Outcome, PoseGraph, PoseId, RelaxError, RelaxOptions, Strain, relax_until,
 };
 use nalgebra::{Matrix3, SymmetricEigen};
+use std::cell::Cell;
 use std::collections::BTreeMap;
 
 /// A measured travel from the frame of one visit to that of the next: the displacement, and its covariance in the frame
@@ -36,7 +36,7 @@ pub struct Agreements<'a> {
 /// What pairs of visits show of each other, where that was asked before. It stays so however the trace goes on. A pair is
 /// found by its later visit, its first visit, and the rotation.
 #[derive(Clone, Debug, Default)]
-pub struct Known(BTreeMap<(usize, usize, u8), Option<Alignment>>);
+pub struct Known(BTreeMap<(usize, usize, u8), Option<Agreement>>);
 
 impl Known {
     /// How many pairs are remembered at most: half a megabyte.
@@ -45,8 +45,8 @@ impl Known {
     /// Remembers more pairs. Where there is no room for all, those whose later visits are the oldest are forgotten: fewest
     /// candidates still differ there.
     pub fn extend(&mut self, more: Known) {
-        for (pair, alignment) in more.0 {
-            self.0.insert(pair, alignment);
+        for (pair, agreement) in more.0 {
+            self.0.insert(pair, agreement);
             if self.0.len() > Known::MOST {
                 self.0.pop_first();
             }
@@ -91,8 +91,8 @@ impl<'a> Agreements<'a> {
             if known == visit {
                 continue;
             }
-            if let Some(alignment) = self.between(known, visit, assigned.rotation, interrupted)? {
-                closures.push(Closure { visits: [known, visit], alignment });
+            if let Some(agreement) = self.between(known, visit, assigned.rotation, interrupted)? {
+                closures.push(Closure { visits: [known, visit], agreement });
             }
         }
         Ok(closures)
@@ -104,28 +104,33 @@ impl<'a> Agreements<'a> {
         later: usize,
         rotation: u8,
         interrupted: &dyn Fn() -> bool,
-    ) -> Result<Option<Alignment>, LocalFramesError> {
+    ) -> Result<Option<Agreement>, LocalFramesError> {
         if let Some(known) = self.known.0.get(&(later, first, rotation)) {
             return Ok(*known);
         }
+        // Remembered only where it was not told to stop: what a visit shows is then all of it.
+        let stopped = Cell::new(false);
+        let stop = || {
+            stopped.set(stopped.get() || interrupted());
+            stopped.get()
+        };
         for visit in [first, later] {
             if self.shown.contains_key(&visit) {
                 continue;
             }
-            // Remembered only where it was not told to stop: what a visit shows is then all of it.
-            let stopped = std::cell::Cell::new(false);
-            let shows = (self.show)(visit, &|| {
-                stopped.set(stopped.get() || interrupted());
-                stopped.get()
-            });
+            let shows = (self.show)(visit, &stop);
             if stopped.get() {
                 return Err(LocalFramesError::Interrupted);
             }
             self.shown.insert(visit, shows);
         }
         let [one, other] = [first, later].map(|visit| self.shown.get(&visit).and_then(Option::as_ref));
-        let found =
-            one.zip(other).and_then(|(one, other)| one.agreement(other, usize::from(rotation), self.sigmas));
+        let found = one
+            .zip(other)
+            .and_then(|(one, other)| one.agreement(other, usize::from(rotation), self.sigmas, &stop));
+        if stopped.get() {
+            return Err(LocalFramesError::Interrupted);
+        }
         self.known.0.insert((later, first, rotation), found);
         Ok(found)
     }
@@ -147,7 +152,7 @@ pub fn graph(travels: &[Option<Displacement>], closures: &[Closure]) -> Result<P
         let information = information(&covariance);
         graph.add_edge(Edge { from, to, displacement: *displacement, information })?;
     }
-    for Closure { visits, alignment } in closures {
+    for Closure { visits, agreement: Agreement { alignment, .. } } in closures {
         let [from, to] = visits.map(|visit| PoseId(visit as u64));
         let information = (alignment.information + alignment.information.transpose()) / 2.0;
         graph.add_edge(Edge { from, to, displacement: alignment.pose, information })?;
@@ -188,8 +193,8 @@ pub struct LocalFrames {
 pub struct EdgeStrain {
     /// The two visits it joins.
     pub visits: [usize; 2],
-    /// Whether it is a travel, or else what two visits to one place show of each other.
-    pub travelled: bool,
+    /// What the walls say where it is what two visits to one place show of each other; `None` of a travel.
+    pub walls: Option<Walls>,
     /// How much.
     pub strain: Strain,
 }
@@ -222,12 +227,12 @@ impl LocalFrames {
             return Err(LocalFramesError::Interrupted);
         }
         let number = |id: PoseId| id.0 as usize;
-        let travelled = graph.edges().len() - closures.len();
+        let walls = closures.iter().map(|closure| Some(closure.agreement.walls));
+        let travels = graph.edges().len() - closures.len();
+        let walls = std::iter::repeat_n(None, travels).chain(walls);
         let strains = graph.strains(&relaxed.poses).unwrap_or_default();
-        let strains = graph.edges().iter().zip(strains).enumerate().map(|(at, (edge, strain))| EdgeStrain {
-            visits: [number(edge.from), number(edge.to)],
-            travelled: at < travelled,
-            strain,
+        let strains = graph.edges().iter().zip(walls).zip(strains).map(|((edge, walls), strain)| {
+            EdgeStrain { visits: [number(edge.from), number(edge.to)], walls, strain }
         });
         Ok(LocalFrames {
             strains: strains.collect(),
@@ -351,6 +356,35 @@ mod tests {
     }
 
     #[test]
+    fn a_closure_says_what_the_walls_do() {
+        let (_, travels, mut agreements) = walked(&[(0.1, 0.0, 0.3); 8]);
+        let walls = |agreements: &mut Agreements<'_>, candidate: &[Assignment]| {
+            let closures = agreements.closures(candidate, &|| false).unwrap();
+            let frames = LocalFrames::relax(&travels[..candidate.len()], closures, &|| false).unwrap();
+            frames.strains.iter().map(|edge| edge.walls).collect::<Vec<_>>()
+        };
+        let (travel, alike) = (None, Some(Walls::Alike));
+        assert_eq!(
+            walls(&mut agreements, &assigned(6)),
+            [travel, travel, travel, travel, travel, alike, alike]
+        );
+        // The bearings of the first corner, in a round room.
+        let mut wrong = assigned(3);
+        wrong[2].place = wrong[0].place;
+        let round = (0..300).map(|step| {
+            let out = direction(f64::from(step) * 0.021);
+            Surface { at: middle(0) + out * 2.5, normal: -out }
+        });
+        let round = Neighbourhood { walls: Submap::new(round), ..corner(0, &Pose::IDENTITY) };
+        let seen = [corner(0, &Pose::IDENTITY), corner(1, &Pose::IDENTITY), round];
+        let mut others = Agreements::new(move |visit, _| seen.get(visit).cloned(), [0.25, 0.05]);
+        assert_eq!(walls(&mut others, &wrong), [travel, travel, Some(Walls::Differ)]);
+        let star = |_: usize, _: &dyn Fn() -> bool| Some(Neighbourhood::of_star(vec![Some(0.0), Some(2.0)]));
+        let mut stars = Agreements::new(star, [0.25, 0.05]);
+        assert_eq!(walls(&mut stars, &wrong), [travel, travel, Some(Walls::Untold)]);
+    }
+
+    #[test]
     fn what_is_known_of_pairs_is_not_looked_for_again() {
         let (_, _, mut agreements) = walked(&[(0.1, 0.0, 0.3); 8]);
         let found = agreements.closures(&assigned(8), &|| false).unwrap();
@@ -384,7 +418,7 @@ mod tests {
             if interrupted() { None } else { (other.show)(visit, interrupted) }
         };
         let mut agreements = Agreements::new(show, [0.25, 0.05]);
-        let asked = std::cell::Cell::new(0);
+        let asked = Cell::new(0);
         // The first to be shown anything is the visit at 4, after which it is asked again.
         let stop = || asked.replace(asked.get() + 1) >= 5;
         assert!(matches!(agreements.closures(&assigned(8), &stop), Err(LocalFramesError::Interrupted)));
@@ -410,7 +444,7 @@ mod tests {
         }
         let whole = agreements.closures(&assigned(8), &|| false).unwrap();
         assert!(matches!(agreements.closures(&assigned(8), &|| true), Err(LocalFramesError::Interrupted)));
-        let asked = std::cell::Cell::new(0);
+        let asked = Cell::new(0);
         let after = |most: usize| {
             asked.set(0);
             let interrupted = || asked.replace(asked.get() + 1) >= most;

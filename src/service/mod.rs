@@ -17,6 +17,7 @@ pub mod session;
 pub mod view_session;
 pub mod store;
 pub mod view;
+mod tags;
 pub mod lines;
 pub mod intake;
 pub mod workers;

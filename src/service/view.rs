@@ -4,6 +4,7 @@ use crate::abduction::{Abduction, Assignment, Report};
 use crate::export::{TieOrder, Ties};
 use crate::patchwork::local_frames::{Agreements, Known, LocalFrames, LocalFramesError};
 use crate::patchwork::survey::Survey;
+use crate::service::tags::Tags;
 use crate::service::{MapConfig, Session};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::sync::OnceCell;
@@ -23,6 +24,8 @@ pub struct View {
     pub survey: Arc<Survey>,
     /// The same report once the simplest maps are in order. Empty as long as nobody asked, or nobody waited for it.
     pub(super) ranked: Arc<OnceCell<Arc<Ranked>>>,
+    /// The tags of answers that follow from what was found.
+    pub(super) tags: Arc<Tags>,
     /// What visits show of each other, as far as it was asked of this view or another of the map: most of the work, and the
     /// same however the map grows.
     known: Arc<Mutex<Known>>,
@@ -50,7 +53,8 @@ impl View {
         match self.finds_what(session) {
             true => {
                 let (report, ranked) = (Arc::clone(&self.report), Arc::clone(&self.ranked));
-                View { ranked, known, ..View::with_report(session, report) }
+                let tags = Arc::clone(&self.tags);
+                View { ranked, tags, known, ..View::with_report(session, report) }
             }
             false => View { known, ..View::of(session) },
         }
@@ -131,6 +135,7 @@ impl View {
             report,
             survey: Arc::clone(session.survey()),
             ranked: Arc::default(),
+            tags: Arc::default(),
             known: Arc::default(),
         }
     }

@@ -2,6 +2,7 @@
 
 use crate::service::http::extract::CandidateName;
 use crate::service::problem::{Problem, ProblemKind};
+use crate::service::tags::Question;
 use crate::service::view::Ranked;
 use crate::service::{MapName, Maps, View};
 use axum::http::{HeaderMap, StatusCode, header};
@@ -36,9 +37,32 @@ pub(super) async fn read_candidates<T: Serialize>(
     Ok(maps.read(read).await??.answer(request))
 }
 
+/// Relaxes a candidate of a map as it is now and answers what follows from that, unless the client has the answer. `form` is
+/// what is answered of the candidate, and in which form.
+pub(super) async fn lay_out(
+    maps: &Maps,
+    view: Arc<View>,
+    candidate: CandidateName,
+    form: String,
+    request: &HeaderMap,
+    make: impl FnOnce(&View, &Ranked, &dyn Fn() -> bool) -> Result<Representation, Problem> + Send + 'static,
+) -> Result<Response, Problem> {
+    let ranked = ranked_for(maps, &view, &[candidate]).await?;
+    let ordered_by = ranked.ties.as_ref().map(|ties| ties.ordered_by);
+    let question = Question { candidate: format!("{candidate:?}"), ordered_by, form };
+    if let Some(tag) = view.tags.get(&question).filter(|tag| is_known(tag, request)) {
+        return Ok(not_modified(tag));
+    }
+    let tags = Arc::clone(&view.tags);
+    let make = move |interrupted: &dyn Fn() -> bool| make(&view, &ranked, interrupted);
+    let made = maps.lay_out(make).await??;
+    tags.insert(question, made.tag.clone());
+    Ok(made.answer(request))
+}
+
 /// What a view found, in an order in which these candidates can be looked up: only the preferred one depends on it. It may
 /// have to wait, which must not be on a worker.
-pub(super) async fn ranked_for(
+async fn ranked_for(
     maps: &Maps,
     view: &Arc<View>,
     candidates: &[CandidateName],
@@ -75,18 +99,22 @@ impl Representation {
 
     /// The answer: not modified, if the client has these bytes.
     pub(super) fn answer(self, request: &HeaderMap) -> Response {
-        let tag = [(header::ETAG, self.tag.clone())];
-        if self.is_known(request) {
-            return (StatusCode::NOT_MODIFIED, tag).into_response();
+        if is_known(&self.tag, request) {
+            return not_modified(self.tag);
         }
-        (tag, [(header::CONTENT_TYPE, self.kind)], self.bytes).into_response()
+        ([(header::ETAG, self.tag)], [(header::CONTENT_TYPE, self.kind)], self.bytes).into_response()
     }
+}
 
-    fn is_known(&self, request: &HeaderMap) -> bool {
-        let known = request.get_all(header::IF_NONE_MATCH).iter().filter_map(|value| value.to_str().ok());
-        known.flat_map(|list| list.split(',')).map(str::trim).any(|tag| {
-            // If-None-Match compares weakly.
-            tag == "*" || tag.trim_start_matches("W/") == self.tag
-        })
-    }
+fn not_modified(tag: String) -> Response {
+    (StatusCode::NOT_MODIFIED, [(header::ETAG, tag)]).into_response()
+}
+
+/// Whether the client has what this tag names.
+fn is_known(tag: &str, request: &HeaderMap) -> bool {
+    let known = request.get_all(header::IF_NONE_MATCH).iter().filter_map(|value| value.to_str().ok());
+    known.flat_map(|list| list.split(',')).map(str::trim).any(|known| {
+        // If-None-Match compares weakly.
+        known == "*" || known.trim_start_matches("W/") == tag
+    })
 }

@@ -3,7 +3,7 @@
 use crate::abduction::Candidate;
 use crate::explanation::{Verdict, verdict};
 use crate::export::{Count, MapGraph, Preferred};
-use crate::service::http::answer::{Representation, ranked_for, read, read_candidates};
+use crate::service::http::answer::{Representation, lay_out, read, read_candidates};
 use crate::service::http::cursor::Cursor;
 use crate::service::http::extract::{CandidateName, CandidatePath, GraphQuery, MapPath, PageQuery};
 use crate::service::problem::{Problem, ProblemKind};
@@ -161,13 +161,12 @@ pub(super) async fn get_graph(
         let graph = move |view: &View, ranked: &Ranked| Ok(MapGraph::of(&candidate.find(view, ranked)?));
         return read_candidates(&maps, &name, &[candidate], &headers, graph).await;
     }
-    let ranked = ranked_for(&maps, &view, &[candidate]).await?;
-    let graph = move |interrupted: &dyn Fn() -> bool| {
-        let candidate = candidate.find(&view, &ranked)?;
+    let graph = move |view: &View, ranked: &Ranked, interrupted: &dyn Fn() -> bool| {
+        let candidate = candidate.find(view, ranked)?;
         let frames = view.relax(&candidate.visits, interrupted)?;
         Representation::of(&MapGraph::of(&candidate).with_frames(&candidate, &frames))
     };
-    Ok(maps.lay_out(graph).await??.answer(&headers))
+    lay_out(&maps, view, candidate, "graph".into(), &headers, graph).await
 }
 
 impl CandidateName {

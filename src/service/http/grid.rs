@@ -4,7 +4,7 @@ use crate::export::{GridDocument, map_pgm, map_png};
 use crate::grid::OccupancyGrid;
 use crate::patchwork::merged::Canvas;
 use crate::service::http::accept::GridFormat;
-use crate::service::http::answer::{Representation, ranked_for};
+use crate::service::http::answer::{Representation, lay_out};
 use crate::service::http::extract::{CandidateName, CandidatePath, GridQuery};
 use crate::service::problem::{Problem, ProblemKind};
 use crate::service::view::Ranked;
@@ -60,12 +60,11 @@ pub(super) async fn get_grid(
     let format = format.map_or_else(|| GridFormat::accepted(&headers), Ok)?;
     let view = maps.view(&name).await?;
     let canvas = Canvas { resolution, most_cells: maps.limits().cells_per_answer };
-    let ranked = ranked_for(&maps, &view, &[candidate]).await?;
-    let work = move |interrupted: &dyn Fn() -> bool| {
-        let grid = grid((&view, &ranked), candidate, &canvas, interrupted)?;
-        encoded(&grid, format)
+    let form = format!("grid {resolution} {format:?}");
+    let work = move |view: &View, ranked: &Ranked, interrupted: &dyn Fn() -> bool| {
+        encoded(&grid((view, ranked), candidate, &canvas, interrupted)?, format)
     };
-    let mut response = maps.lay_out(work).await??.answer(&headers);
+    let mut response = lay_out(&maps, view, candidate, form, &headers, work).await?;
     response.headers_mut().insert(header::VARY, HeaderValue::from_static("Accept"));
     Ok(response)
 }

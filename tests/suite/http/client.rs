@@ -36,7 +36,11 @@ impl Client {
     }
 
     pub(super) fn with_store(store: Arc<dyn Store>, limits: Limits) -> Client {
-        Client { app: app(Maps::new(store, limits)) }
+        Client::of(Maps::new(store, limits))
+    }
+
+    pub(super) fn of(maps: Maps) -> Client {
+        Client { app: app(maps) }
     }
 
     pub(super) async fn send(&self, request: Request<Body>) -> Answer {

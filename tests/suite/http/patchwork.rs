@@ -3,12 +3,15 @@
 use crate::cli::fed;
 use crate::http::client::{Answer, Client, JSON, NDJSON, aces, array};
 use axum::body::Body;
-use axum::http::{Request, header};
+use axum::http::{HeaderValue, Request, header};
 use serde_json::{Value, json};
+use std::sync::Arc;
+use std::thread::{self, available_parallelism};
 use std::time::Duration;
+use tokio::time::timeout;
 use topostar::geometry::{Point, Pose};
 use topostar::grid::Cell;
-use topostar::service::Limits;
+use topostar::service::{Limits, Maps, MemoryStore};
 use topostar::star::{PerceptionParameters, describe};
 use topostar::trace::{EventKind, Percept, write_trace};
 use topostar::worlds::{LpmTrace, bundled, lpm_trace};
@@ -41,7 +44,10 @@ fn middles(trace: &LpmTrace) -> Vec<Point> {
 
 /// A map that took the walk through the office as grids.
 async fn with_office(limits: Limits, config: &str) -> Client {
-    let client = Client::with_limits(limits);
+    filled(Client::with_limits(limits), config).await
+}
+
+async fn filled(client: Client, config: &str) -> Client {
     client.put("office", config).await;
     assert_eq!(client.post("office", NDJSON, ndjson(&office())).await.status, 200);
     client
@@ -269,6 +275,57 @@ async fn what_takes_too_long_is_ended() {
         client.get(path).await.problem(503, "out-of-time");
     }
     assert_eq!(client.get(&format!("{GRAPH}?poses=false")).await.status, 200);
+}
+
+/// While every thread is taken, a client learns that what it has is still what it would get; also after an event that
+/// changes nothing, and no longer after one that does.
+#[tokio::test]
+async fn what_a_client_has_is_not_made_again() {
+    let maps = Maps::new(Arc::new(MemoryStore::new(1)), Limits::default());
+    let client = filled(Client::of(maps.clone()), "").await;
+    let paths =
+        [GRAPH.to_owned(), format!("{GRID}?resolution=0.1"), format!("{GRID}?resolution=0.1&format=pgm")];
+    let mut tags = Vec::new();
+    for path in &paths {
+        tags.push(client.get(path).await.headers[header::ETAG].clone());
+    }
+    let conditional = |path: &String, tag: &HeaderValue| {
+        let known = Request::get(path).header(header::IF_NONE_MATCH, tag);
+        client.send(known.body(Body::empty()).unwrap())
+    };
+    let busy: Vec<_> = (0..available_parallelism().unwrap().get())
+        .map(|_| {
+            let maps = maps.clone();
+            tokio::spawn(async move {
+                maps.lay_out(|stop| {
+                    while !stop() {
+                        thread::yield_now()
+                    }
+                })
+                .await
+            })
+        })
+        .collect();
+    tokio::task::yield_now().await;
+    let turn = json!({"seq": office().events.len(), "kind": "turn", "heading": 0.0});
+    for also in [None, Some(turn)] {
+        if let Some(event) = also {
+            let posted = client.post("office", JSON, event.to_string()).await;
+            assert_eq!(posted.status, 200, "{}", posted.json());
+        }
+        for (path, tag) in paths.iter().zip(&tags) {
+            let again = conditional(path, tag).await;
+            assert_eq!((again.status.as_u16(), &again.headers[header::ETAG]), (304, tag), "{path}");
+            let other = conditional(path, &HeaderValue::from_static("\"other\""));
+            assert!(timeout(Duration::from_millis(20), other).await.is_err(), "{path} took no thread");
+        }
+    }
+    busy.iter().for_each(tokio::task::JoinHandle::abort);
+    for (path, tag) in paths.iter().zip(&tags) {
+        assert_eq!(conditional(path, tag).await.status, 304);
+        let other = conditional(path, &HeaderValue::from_static("\"other\"")).await;
+        assert_eq!((other.status.as_u16(), &other.headers[header::ETAG]), (200, tag));
+    }
 }
 
 /// By the bare theory two maps of the office are equally simple; what was measured tells which.
