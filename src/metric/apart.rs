@@ -10,14 +10,19 @@
 //! way, the two visits that first order puts nearest are looked at again by the profile of the likelihood
 //! ([`crate::metric::profile`]).
 //!
+//! Then all places are looked at together: where one moves aside, what hangs on it moves too, and there must be room for all
+//! ([`crate::metric::crowd`]).
+//!
 //! [`MetricParameters::separation`]: crate::metric::MetricParameters::separation
 
 use crate::abduction::Outcome;
 use crate::metric::breach::Breach;
+use crate::metric::crowd::Crowd;
 use crate::metric::frames::Story;
 use crate::metric::layout::{Layout, Span};
 use crate::metric::share::{SHARES, in_every};
 use crate::metric::uncertainty::Uncertainty;
+use std::collections::BTreeSet;
 
 /// Two visits to different places that share one spot, whatever share of errors explains the loops.
 pub(super) fn breach(story: &Story<'_>) -> Option<Breach> {
@@ -26,7 +31,7 @@ pub(super) fn breach(story: &Story<'_>) -> Option<Breach> {
     let separation = separation(story);
     let breaches = in_every(|share| {
         let spot = |layout: &Layout| match layout.agrees() {
-            true => spot(story, layout, separation).map(Some),
+            true => spot(story, layout, separation).or_else(|| crowd(story, layout, separation)).map(Some),
             // A share under which the loops do not close is none that odometry has.
             false => Some(None),
         };
@@ -87,6 +92,23 @@ fn spot(story: &Story<'_>, layout: &Layout, separation: f64) -> Option<Breach> {
     let (_, span) = nearest?;
     let chi_square = layout.to_rim(span, separation, gate)?;
     Some(Breach::Rim { span, chi_square, gate, separation })
+}
+
+/// Places that are in each other's way in a layout.
+fn crowd(story: &Story<'_>, layout: &Layout, separation: f64) -> Option<Breach> {
+    let latest = story.latest();
+    let since =
+        (0..=latest).rev().find(|&from| from == 0 || !layout.joins(Span { from: from - 1, to: from }))?;
+    let mut places = BTreeSet::new();
+    let visits: Vec<usize> = (since..=latest).filter(|&visit| places.insert(story.place(visit))).collect();
+    let at = |visit: usize| layout.poses[visit].position();
+    let beside = |&visit: &usize| visit != latest && (at(visit) - at(latest)).norm() < separation;
+    // A new place that is in nobody's way changes nothing.
+    if story.outcome == Outcome::NewPlace && !visits.iter().any(beside) {
+        return None;
+    }
+    let Crowd { chi_square, gate, spans } = layout.crowd(&visits, separation)?;
+    Some(Breach::Crowd { spans, chi_square, gate, separation })
 }
 
 /// How far apart two different places are at least.

@@ -24,6 +24,8 @@ pub(super) enum Breach {
     Spot { span: Span, at_most: f64, separation: f64 },
     /// The same, by what it takes to have them apart.
     Rim { span: Span, chi_square: f64, gate: f64, separation: f64 },
+    /// The spots of all places, by what it takes to have all of them apart; some of these are in each other's way.
+    Crowd { spans: Vec<Span>, chi_square: f64, gate: f64, separation: f64 },
 }
 
 /// An interval of length, and the visit that the travel measured led to.
@@ -107,6 +109,20 @@ impl Breach {
                     stood(story, span.from),
                 );
                 over(story, *span, words)
+            }
+            Breach::Crowd { spans, chi_square, gate, separation } => {
+                let visits: Vec<usize> = spans.iter().flat_map(|span| [span.from, span.to]).collect();
+                let pairs: Vec<String> = spans
+                    .iter()
+                    .map(|span| format!("{} and {}", story.place(span.from), story.place(span.to)))
+                    .collect();
+                let words = format!(
+                    "all travels and the loops they closed put places on the spots of others: to have all places \
+                     {separation:.2} m apart takes chi-square {chi_square:.1} more at least, gate {gate:.1}, for \
+                     {}",
+                    pairs.join(", "),
+                );
+                clash(story, visits, Vec::new(), words)
             }
         }
     }

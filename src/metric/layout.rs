@@ -199,15 +199,15 @@ impl Layout {
     /// Estimates the errors anew; the largest change.
     fn adjust(&mut self) -> Option<f64> {
         self.solve()?;
-        self.pulled(self.whitened.clone(), None, 1.0)
+        self.pulled(self.whitened.clone(), &[], 1.0)
     }
 
     /// Moves the errors so far of the way to what they are by what pulls at the loops, in units of their covariance, and at
-    /// one more span; the largest change.
+    /// more spans; the largest change.
     pub(super) fn pulled(
         &mut self,
         mut pull: DVector<f64>,
-        beside: Option<(Span, Vector3<f64>)>,
+        beside: &[(Span, Vector3<f64>)],
         way: f64,
     ) -> Option<f64> {
         self.root.tr_solve_lower_triangular_mut(&mut pull).then_some(())?;
@@ -216,7 +216,7 @@ impl Layout {
         let mut pulls = vec![Vector3::zeros(); self.poses.len() + 1];
         let loops = self.loops.iter().enumerate();
         let pulled = loops.map(|(i, one)| (one.span, pull.fixed_rows::<3>(3 * i).into_owned()));
-        for (span, pull) in pulled.chain(beside) {
+        for (span, pull) in pulled.chain(beside.iter().copied()) {
             bias += (self.common[span.to] - self.common[span.from]).transpose() * pull;
             pulls[span.from + 1] += pull;
             pulls[span.to + 1] -= pull;

@@ -20,6 +20,7 @@ mod apart;
 mod breach;
 mod chain;
 mod closure;
+mod crowd;
 mod distance;
 mod frames;
 mod layout;

@@ -1,15 +1,15 @@
 //! How far errors have to go to take a visit out of a circle: the profile of the likelihood (Wilks 1938).
 //!
 //! First order and a bound on what it leaves out is cheap, but where headings are off by tens of degrees the bound is
-//! metres. Here the least chi-square is found with which all loops close and a visit lies beyond a line: least squares
-//! with one more condition, linearised anew where it leads, until it stays. What it takes beyond the chi-square without
+//! metres. Here the least chi-square is found with which all loops close and visits lie beyond lines: least squares
+//! with more conditions, linearised anew where it leads, until it stays. What it takes beyond the chi-square without
 //! that line is compared with the gate, as a difference of chi-squares is distributed as that of a linear model is
 //! whatever the coordinates are.
 
 use crate::geometry::{Vector, direction};
 use crate::metric::layout::{Layout, Span};
 use crate::metric::leg::lever;
-use nalgebra::RowVector3;
+use nalgebra::{DMatrix, DVector, RowVector3};
 use std::f64::consts::{PI, TAU};
 
 /// Sides of the polygon within the circle.
@@ -25,10 +25,10 @@ const NEARER: [f64; 2] = [1.5, 3.0];
 
 /// A line that a visit is to lie on, seen from an earlier one: the points so far in a direction of that one's frame.
 #[derive(Clone, Copy, Debug)]
-struct Line {
-    span: Span,
-    direction: Vector,
-    at: f64,
+pub(super) struct Line {
+    pub(super) span: Span,
+    pub(super) direction: Vector,
+    pub(super) at: f64,
 }
 
 /// A side of the polygon, and where the visit lies towards it.
@@ -72,17 +72,61 @@ impl Layout {
     fn beyond(&self, side: &Side, gate: f64) -> Option<f64> {
         let before = NEARER.map(|gates| side.off + (gates * gate).sqrt() * side.sigma);
         let lines = before.into_iter().filter(|&at| at < side.line.at).chain([side.line.at]);
-        let mut takes = lines.map(|at| self.to_reach(&Line { at, ..side.line }));
+        let mut takes = lines.map(|at| self.to_reach(&[Line { at, ..side.line }]));
         takes.find_map(|takes| takes.filter(|&takes| takes > gate))
     }
 
-    /// How much more chi-square it takes at least to put a visit on a line from this side of it, or beyond.
-    fn to_reach(&self, line: &Line) -> Option<f64> {
+    /// How much more chi-square it takes at least to put visits on lines from this side of each, or beyond.
+    pub(super) fn to_reach(&self, lines: &[Line]) -> Option<f64> {
         let mut layout = self.clone();
         let (least, _) = layout.chi_square();
         let mut last = f64::NAN;
         for round in 0..ROUNDS {
             layout.solve()?;
+            let conditions = Conditions::new(&layout, lines)?;
+            if round == 0 && conditions.misses.iter().all(|misses| *misses >= 0.0) {
+                return Some(0.0);
+            }
+            let pulls = pulls(&conditions.covariance, &conditions.misses);
+            let (closing, _) = layout.chi_square();
+            let chi_square = closing + taken(&conditions.covariance, &conditions.misses, &pulls);
+            // Shorter steps end what goes to and fro between two linearisations.
+            let way = 1.0 / (1.0 + round as f64 / CALM);
+            if (chi_square - last).abs() < SETTLED * way {
+                return Some(chi_square - least);
+            }
+            last = chi_square;
+            let beside = lines.iter().zip(&conditions.moves).zip(&pulls);
+            let beside: Vec<_> =
+                beside.map(|((line, moves), pull)| (line.span, moves.transpose() * *pull)).collect();
+            layout.pulled(layout.whitened() - conditions.known * pulls, &beside, way)?;
+        }
+        None
+    }
+}
+
+/// Lines as conditions on the errors that the loops leave, linearised.
+struct Conditions {
+    /// What a twist of each span moves along the direction.
+    moves: Vec<RowVector3<f64>>,
+    /// The covariances of loops and lines in units of the loops, a column a line.
+    known: DMatrix<f64>,
+    /// How far beyond each line the visit lies, metres.
+    misses: DVector<f64>,
+    /// The covariance of that.
+    covariance: DMatrix<f64>,
+}
+
+impl Conditions {
+    fn new(layout: &Layout, lines: &[Line]) -> Option<Conditions> {
+        let size = lines.len();
+        let mut found = Conditions {
+            moves: Vec::new(),
+            known: DMatrix::zeros(layout.whitened().len(), size),
+            misses: DVector::zeros(size),
+            covariance: DMatrix::zeros(size, size),
+        };
+        for (k, line) in lines.iter().enumerate() {
             let Span { from, to } = line.span;
             let (begin, end) = (layout.poses[from], layout.poses[to]);
             let along = begin.rotate(&line.direction);
@@ -90,24 +134,47 @@ impl Layout {
             let known = layout.known(line.span, None)? * moves.transpose();
             let left = along.dot(&(end.position() - begin.position())) - line.at
                 + (moves * layout.gathered(line.span)).x;
-            let misses = left - known.dot(&layout.whitened().column(0));
-            if round == 0 && misses >= 0.0 {
-                return Some(0.0);
+            found.misses[k] = left - known.dot(&layout.whitened().column(0));
+            found.known.set_column(k, &known);
+            found.moves.push(moves);
+            for (l, (other, moved)) in lines.iter().zip(&found.moves).enumerate() {
+                let shared = (moves * layout.shared(line.span, other.span) * moved.transpose()).x;
+                let entry = shared - known.dot(&found.known.column(l));
+                (found.covariance[(k, l)], found.covariance[(l, k)]) = (entry, entry);
             }
-            let variance =
-                (moves * layout.shared(line.span, line.span) * moves.transpose()).x - known.norm_squared();
-            let pull = misses / variance;
-            let (closing, _) = layout.chi_square();
-            let chi_square = closing + misses * pull;
-            // Shorter steps end what goes to and fro between two linearisations.
-            let way = 1.0 / (1.0 + round as f64 / CALM);
-            if (chi_square - last).abs() < SETTLED * way {
-                return Some(chi_square - least);
-            }
-            last = chi_square;
-            let beside = (line.span, moves.transpose() * pull);
-            layout.pulled(layout.whitened() - known * pull, Some(beside), way)?;
         }
-        None
+        Some(found)
     }
+}
+
+/// At most so many rounds over all lines, and the change of chi-square that ends them.
+const SWEEPS: usize = 500;
+const STILL: f64 = 1e-12;
+
+/// What pulls at each of some lines, so that none is missed: below zero, or zero where others pull far enough. Chi-square
+/// is the greatest that such numbers give ([`taken`]), each of which is set to its best in turn (Hildreth 1957).
+pub(super) fn pulls(covariance: &DMatrix<f64>, misses: &DVector<f64>) -> DVector<f64> {
+    let mut pulls: DVector<f64> = DVector::zeros(misses.len());
+    for _ in 0..SWEEPS {
+        let mut change = 0.0_f64;
+        for line in 0..misses.len() {
+            let variance = covariance[(line, line)];
+            if variance <= 0.0 {
+                continue;
+            }
+            let left = misses[line] - covariance.column(line).dot(&pulls);
+            let pull = (pulls[line] + left / variance).min(0.0);
+            change = change.max((pull - pulls[line]).powi(2) * variance);
+            pulls[line] = pull;
+        }
+        if change < STILL {
+            break;
+        }
+    }
+    pulls
+}
+
+/// How much chi-square it takes at least to miss no line, by what pulls at them; if it is the best, just so much.
+pub(super) fn taken(covariance: &DMatrix<f64>, misses: &DVector<f64>, pulls: &DVector<f64>) -> f64 {
+    2.0 * misses.dot(pulls) - pulls.dot(&(covariance * pulls))
 }
