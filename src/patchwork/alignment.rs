@@ -52,6 +52,8 @@ const TOGETHER: usize = 4096;
 /// Two submaps show the same walls where so many of the smaller one's are found on the other, so near on average.
 const SHARE: f64 = 0.5;
 const STRAY: f64 = 0.08;
+/// What holds an alignment along walls that fix no pose, as those of a corridor: a standard deviation of some 30 m or radians.
+const HELD: f64 = 1e-3;
 
 impl Around {
     /// The best alignment, if both submaps show the same walls; `None` too where `interrupted` said to stop, which is asked
@@ -72,7 +74,8 @@ impl Around {
                 best = Some((score, start));
             }
         }
-        settle(one, other, best?.1, &Matrix3::zeros(), interrupted).filter(Alignment::is_same)
+        let held = Matrix3::from_diagonal_element(HELD);
+        settle(one, other, best?.1, &held, interrupted).filter(Alignment::is_same)
     }
 
     fn starts(&self) -> impl Iterator<Item = Pose> {
@@ -226,6 +229,21 @@ mod tests {
             let aside = Vector3::new(-along.y, along.x, 0.0);
             let told = |v: Vector3<f64>| v.dot(&(found.information * v));
             prop_assert!(told(along) < 1e-3 * told(aside), "{} {}", told(along), told(aside));
+        }
+    }
+
+    /// Along a bare corridor any place is as good, but its walls are the same: none are found that differ.
+    #[test]
+    fn corridors_lie_on_each_other() {
+        let around = Around { pose: Pose::IDENTITY, reach: 1.5, turn: 0.3 };
+        for turn in [0.0, std::f64::consts::FRAC_PI_2, 1.0] {
+            let frame = Pose::new(0.0, 0.0, turn);
+            let corridor =
+                walls(&[(-8.0, -1.0), (8.0, -1.0)]).into_iter().chain(walls(&[(8.0, 1.0), (-8.0, 1.0)]));
+            let corridor = Submap::new(corridor.map(|surface| moved(&surface, &frame)));
+            let found = around.align(&corridor, &corridor, &|| false).unwrap();
+            let off = frame.inverse().rotate(&found.pose.position().coords);
+            assert!(off.x.abs() < 1.5 && off.y.abs() < 0.03 && found.pose.theta.abs() < 0.01, "{found:?}");
         }
     }
 
