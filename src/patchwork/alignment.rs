@@ -16,7 +16,7 @@ pub struct Alignment {
     pub pose: Pose,
     /// The inverse of its covariance, x, y, heading in the frame of the one laid on.
     pub information: Matrix3<f64>,
-    /// The share of its walls that lie on a wall of the other.
+    /// How many of its walls lie on a wall of the other, as a share of the walls of the one that has fewer: at most 1.
     pub share: f64,
     /// How far these lie from it, metres, root mean square.
     pub stray: f64,
@@ -130,12 +130,13 @@ pub fn settle(
         }
     }
     let Sums { information, near, squares, .. } = found?;
+    let fewer = one.surfaces().len().min(other.surfaces().len());
     let (sin, cos) = pose.theta.sin_cos();
     let turned = Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0);
     Some(Alignment {
         pose,
         information: turned.transpose() * information * turned / ALIKE,
-        share: near / one.surfaces().len().max(1) as f64,
+        share: (near / fewer.max(1) as f64).min(1.0),
         stray: (squares / near.max(1.0)).sqrt(),
     })
 }
@@ -244,6 +245,19 @@ mod tests {
             let found = around.align(&corridor, &corridor, &|| false).unwrap();
             let off = frame.inverse().rotate(&found.pose.position().coords);
             assert!(off.x.abs() < 1.5 && off.y.abs() < 0.03 && found.pose.theta.abs() < 0.01, "{found:?}");
+        }
+    }
+
+    /// Of two visits one may see further than the other.
+    #[test]
+    fn a_part_lies_on_the_whole_and_the_whole_on_the_part() {
+        let around = Around { pose: Pose::IDENTITY, reach: 1.5, turn: 0.3 };
+        let whole = Submap::new(junction());
+        let part = Submap::new(junction().into_iter().filter(|wall| wall.at.coords.norm() < 3.5));
+        assert!(part.surfaces().len() * 2 < whole.surfaces().len());
+        for (one, other) in [(&whole, &part), (&part, &whole)] {
+            let found = around.align(one, other, &|| false).unwrap();
+            assert!(found.pose.position().coords.norm() < 0.03 && found.share <= 1.0, "{found:?}");
         }
     }
 
