@@ -51,7 +51,8 @@ pub(super) struct Relax {
     /// The order of the six numbers of information on a line, where the file is not as its words say.
     #[arg(long, value_enum, value_name = "ORDER")]
     information_order: Option<OrderName>,
-    /// Print the covariance of a pose in the frame of the gauge; may be given more than once.
+    /// Print the covariance of a pose in the frame of the gauge, null where nothing determines it; may be given more than
+    /// once.
     #[arg(long, value_name = "POSE")]
     covariance: Vec<u64>,
     /// Write a picture of the poses before and after there.
@@ -105,6 +106,7 @@ impl Relax {
         let clock = Instant::now();
         let ReadGraph { graph, order, notes } = read_graph(open(&self.graph)?, self.order())
             .map_err(|error| Failure::input(&self.graph, error))?;
+        self.check_covariances(&graph)?;
         let reading = clock.elapsed().as_secs_f64();
         let broken = |error: crate::patchwork::RelaxError| Failure::Broken(error.to_string());
         let mut relaxer = Relaxer::new(&graph, &self.options()).map_err(broken)?;
@@ -114,7 +116,7 @@ impl Relax {
         let seconds = RelaxationSeconds { reading, setup, relaxing };
         let mut report = RelaxationReport::of(&graph, &answer);
         (report.information_order, report.notes, report.seconds) = (order.name(), notes, seconds);
-        self.print(&report, &covariances(&mut relaxer, &self.covariance)?)?;
+        self.print(&report, &covariances(&mut relaxer, &self.covariance))?;
         if let (Some(file), Some(write)) = (&self.output, write) {
             save(file, &write(&graph.with_guesses(&answer.poses)))?;
         }
@@ -151,7 +153,15 @@ impl Relax {
         }
     }
 
-    fn print(&self, report: &RelaxationReport, covariances: &[(u64, [[f64; 3]; 3])]) -> Result<(), Failure> {
+    /// A pose that is not there is told of before anything is computed.
+    fn check_covariances(&self, graph: &PoseGraph) -> Result<(), Failure> {
+        match self.covariance.iter().find(|pose| graph.number(PoseId(**pose)).is_none()) {
+            None => Ok(()),
+            Some(pose) => Err(Failure::Usage(format!("--covariance {pose}: expected a pose of the graph"))),
+        }
+    }
+
+    fn print(&self, report: &RelaxationReport, covariances: &[PoseCovariance]) -> Result<(), Failure> {
         if !self.json {
             write!(stdout(), "{}", words(report, covariances))?;
             return Ok(());
@@ -189,17 +199,15 @@ fn writer(file: &Path) -> Result<fn(&PoseGraph) -> String, Failure> {
     }
 }
 
-/// A pose and its covariance by rows: x, y, heading.
-type PoseCovariance = (u64, [[f64; 3]; 3]);
+/// A pose and its covariance by rows: x, y, heading; none where the measurements do not determine it.
+type PoseCovariance = (u64, Option<[[f64; 3]; 3]>);
 
-fn covariances(relaxer: &mut Relaxer, asked: &[u64]) -> Result<Vec<PoseCovariance>, Failure> {
-    let of = |pose: &u64| match relaxer.covariance(PoseId(*pose)) {
-        Some(matrix) => {
-            Ok((*pose, std::array::from_fn(|row| std::array::from_fn(|column| matrix[(row, column)]))))
-        }
-        None => Err(Failure::Usage(format!(
-            "--covariance {pose}: expected a pose of the graph that its measurements determine"
-        ))),
+fn covariances(relaxer: &mut Relaxer, asked: &[u64]) -> Vec<PoseCovariance> {
+    let of = |pose: &u64| {
+        let rows = relaxer
+            .covariance(PoseId(*pose))
+            .map(|matrix| std::array::from_fn(|row| std::array::from_fn(|column| matrix[(row, column)])));
+        (*pose, rows)
     };
     asked.iter().map(of).collect()
 }
@@ -209,6 +217,11 @@ fn words(report: &RelaxationReport, covariances: &[PoseCovariance]) -> String {
     // Writing to a string does not fail.
     let _ = describe(&mut text, report);
     for (pose, rows) in covariances {
+        let Some(rows) = rows else {
+            let _ =
+                writeln!(text, "covariance of pose {pose}: none, what was measured does not determine it");
+            continue;
+        };
         let _ = writeln!(text, "covariance of pose {pose} (x, y, heading; metres, radians)");
         for [x, y, theta] in rows {
             let _ = writeln!(text, "  {x:>13.6e} {y:>13.6e} {theta:>13.6e}");

@@ -17,23 +17,10 @@ pub(super) fn in_words(report: &Report, wire: &export::Report) -> String {
 
 /// The maps as simple as the preferred one, and what strains all of these.
 fn ties_in_words(report: &Report, ties: Option<&Ties>) -> String {
-    let strain = |at: usize| match ties.map(|ties| ties.strains.get(at).copied().flatten()) {
+    let strain = |at: usize| match ties.map(|ties| ties.strains.get(at).and_then(Option::as_ref)) {
         None => String::new(),
-        Some(None) => "; not relaxed".into(),
-        Some(Some(TieStrain { chi_square, degrees_of_freedom, walls_differ, log10_probability })) => {
-            let probability = match log10_probability {
-                common if common > -2.0 => format!("{:.2}", 10_f64.powf(common)),
-                rare => format!("1e{rare:.0}"),
-            };
-            let walls = match walls_differ {
-                0 => String::new(),
-                1 => "walls differ on a visit to a known place, ".into(),
-                visits => format!("walls differ on {visits} visits to known places, "),
-            };
-            format!(
-                "; strain {chi_square:.1} with {degrees_of_freedom} degrees of freedom, {walls}probability {probability}"
-            )
-        }
+        Some(None) => "; not relaxed, or to no rest".into(),
+        Some(Some(strain)) => format!("; {}", strain_in_words(strain)),
     };
     let told = match ties.map(|ties| ties.ordered_by) {
         None => String::new(),
@@ -46,6 +33,23 @@ fn ties_in_words(report: &Report, ties: Option<&Ties>) -> String {
     let rivals =
         rivals.map(|(at, rival)| format!("as simple: visits {}{}\n", numbers(&rival.places()), strain(at)));
     rivals.fold(told, |text, rival| text + &rival)
+}
+
+/// What strains one of the maps that are equally simple.
+fn strain_in_words(strain: &TieStrain) -> String {
+    let TieStrain { chi_square, degrees_of_freedom, walls_differ, log10_probability } = strain;
+    let probability = match *log10_probability {
+        common if common > -2.0 => format!("{:.2}", 10_f64.powf(common)),
+        rare => format!("1e{rare:.0}"),
+    };
+    let walls = match walls_differ {
+        0 => String::new(),
+        1 => "walls differ on a visit to a known place, ".into(),
+        visits => format!("walls differ on {visits} visits to known places, "),
+    };
+    format!(
+        "strain {chi_square:.1} with {degrees_of_freedom} degrees of freedom, {walls}probability {probability}"
+    )
 }
 
 /// What the search did: how many candidates it left, or how far it proves what it found.
@@ -147,4 +151,31 @@ pub(super) fn certainty(candidates: &export::Count, preferred: &export::Preferre
 
 pub(super) fn numbers(places: &[usize]) -> String {
     places.iter().map(usize::to_string).collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn walls_that_differ_are_told_beside_strain() {
+        let told = |walls_differ, log10_probability| {
+            strain_in_words(&TieStrain {
+                chi_square: 17.04,
+                degrees_of_freedom: 18,
+                walls_differ,
+                log10_probability,
+            })
+        };
+        let strain = "strain 17.0 with 18 degrees of freedom,";
+        assert_eq!(told(0, -0.301), format!("{strain} probability 0.50"));
+        assert_eq!(
+            told(1, -1.301),
+            format!("{strain} walls differ on a visit to a known place, probability 0.05")
+        );
+        assert_eq!(
+            told(2, -2.3),
+            format!("{strain} walls differ on 2 visits to known places, probability 1e-2")
+        );
+    }
 }

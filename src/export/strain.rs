@@ -29,6 +29,9 @@ pub struct StrainSum {
     pub degrees_of_freedom: usize,
     /// Whether relaxation has come to rest.
     pub converged: bool,
+    /// The observations whose poses can move without strain, so that where they lie says nothing, though travels or closures
+    /// join them to others.
+    pub undetermined: Vec<usize>,
     /// What each travel and each closure is strained by.
     pub edges: Vec<StrainedSpan>,
 }
@@ -96,6 +99,7 @@ impl StrainSum {
             chi_square: frames.strain.chi_square,
             degrees_of_freedom: frames.strain.degrees_of_freedom,
             converged: frames.outcome == Outcome::Converged,
+            undetermined: frames.undetermined.clone(),
             edges: frames.strains.iter().map(span).collect(),
         }
     }

@@ -39,7 +39,7 @@ pub struct TieStrain {
     /// On how many visits to known places the walls are others than on the first visit.
     pub walls_differ: usize,
     /// The decimal logarithm of the probability that chance strains as much or more, if covariances are honest, and
-    /// that walls differ, which they do once in five visits to one place.
+    /// that walls differ, which they do once in ten visits to one place.
     pub log10_probability: f64,
 }
 

@@ -16,7 +16,7 @@ pub struct Alignment {
     pub pose: Pose,
     /// The inverse of its covariance, x, y, heading in the frame of the one laid on.
     pub information: Matrix3<f64>,
-    /// The share of its walls that lie on a wall of the other.
+    /// How many of its walls lie on a wall of the other, as a share of the walls of the one that has fewer: at most 1.
     pub share: f64,
     /// How far these lie from it, metres, root mean square.
     pub stray: f64,
@@ -52,6 +52,8 @@ const TOGETHER: usize = 4096;
 /// Two submaps show the same walls where so many of the smaller one's are found on the other, so near on average.
 const SHARE: f64 = 0.5;
 const STRAY: f64 = 0.08;
+/// What holds an alignment along walls that fix no pose, as those of a corridor: a standard deviation of some 30 m or radians.
+const HELD: f64 = 1e-3;
 
 impl Around {
     /// The best alignment, if both submaps show the same walls; `None` too where `interrupted` said to stop, which is asked
@@ -72,7 +74,8 @@ impl Around {
                 best = Some((score, start));
             }
         }
-        settle(one, other, best?.1, &Matrix3::zeros(), interrupted).filter(Alignment::is_same)
+        let held = Matrix3::from_diagonal_element(HELD);
+        settle(one, other, best?.1, &held, interrupted).filter(Alignment::is_same)
     }
 
     fn starts(&self) -> impl Iterator<Item = Pose> {
@@ -127,12 +130,13 @@ pub fn settle(
         }
     }
     let Sums { information, near, squares, .. } = found?;
+    let fewer = one.surfaces().len().min(other.surfaces().len());
     let (sin, cos) = pose.theta.sin_cos();
     let turned = Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0);
     Some(Alignment {
         pose,
         information: turned.transpose() * information * turned / ALIKE,
-        share: near / one.surfaces().len().max(1) as f64,
+        share: (near / fewer.max(1) as f64).min(1.0),
         stray: (squares / near.max(1.0)).sqrt(),
     })
 }
@@ -226,6 +230,34 @@ mod tests {
             let aside = Vector3::new(-along.y, along.x, 0.0);
             let told = |v: Vector3<f64>| v.dot(&(found.information * v));
             prop_assert!(told(along) < 1e-3 * told(aside), "{} {}", told(along), told(aside));
+        }
+    }
+
+    /// Along a bare corridor any place is as good, but its walls are the same: none are found that differ.
+    #[test]
+    fn corridors_lie_on_each_other() {
+        let around = Around { pose: Pose::IDENTITY, reach: 1.5, turn: 0.3 };
+        for turn in [0.0, std::f64::consts::FRAC_PI_2, 1.0] {
+            let frame = Pose::new(0.0, 0.0, turn);
+            let corridor =
+                walls(&[(-8.0, -1.0), (8.0, -1.0)]).into_iter().chain(walls(&[(8.0, 1.0), (-8.0, 1.0)]));
+            let corridor = Submap::new(corridor.map(|surface| moved(&surface, &frame)));
+            let found = around.align(&corridor, &corridor, &|| false).unwrap();
+            let off = frame.inverse().rotate(&found.pose.position().coords);
+            assert!(off.x.abs() < 1.5 && off.y.abs() < 0.03 && found.pose.theta.abs() < 0.01, "{found:?}");
+        }
+    }
+
+    /// Of two visits one may see further than the other.
+    #[test]
+    fn a_part_lies_on_the_whole_and_the_whole_on_the_part() {
+        let around = Around { pose: Pose::IDENTITY, reach: 1.5, turn: 0.3 };
+        let whole = Submap::new(junction());
+        let part = Submap::new(junction().into_iter().filter(|wall| wall.at.coords.norm() < 3.5));
+        assert!(part.surfaces().len() * 2 < whole.surfaces().len());
+        for (one, other) in [(&whole, &part), (&part, &whole)] {
+            let found = around.align(one, other, &|| false).unwrap();
+            assert!(found.pose.position().coords.norm() < 0.03 && found.share <= 1.0, "{found:?}");
         }
     }
 

@@ -186,6 +186,8 @@ pub struct LocalFrames {
     /// The part of each visit, by its first visit: a travel that was not measured begins another one, unless what was
     /// measured later joins the two. Nothing is known of where a part lies in another.
     pub parts: Vec<usize>,
+    /// The visits whose frames can move without strain, though travels or closures join them to others.
+    pub undetermined: Vec<usize>,
 }
 
 /// What one edge is strained by.
@@ -239,6 +241,7 @@ impl LocalFrames {
             strain: Strain { chi_square: relaxed.objective, degrees_of_freedom: relaxed.degrees_of_freedom },
             outcome: relaxed.outcome,
             parts: graph.parts(),
+            undetermined: relaxed.undetermined.into_iter().map(number).collect(),
             poses: relaxed.poses,
             closures,
         })
@@ -250,6 +253,7 @@ mod tests {
     use super::*;
     use crate::geometry::{Point, direction, wrap_angle};
     use crate::map::PlaceId;
+    use crate::patchwork::alignment::Alignment;
     use crate::patchwork::submap::Submap;
     use crate::sensor::surface::Surface;
     use nalgebra::Vector3;
@@ -433,6 +437,25 @@ mod tests {
         let relaxed = LocalFrames::relax(&travels, Vec::new(), &|| false).unwrap();
         assert_eq!(relaxed.parts, [0, 0, 2]);
         assert_eq!(LocalFrames::relax(&[], Vec::new(), &|| false).unwrap().poses, []);
+    }
+
+    /// Two bare walls hold a frame aside and turned as it is, and let it slide.
+    #[test]
+    fn what_a_corridor_alone_joins_is_not_determined() {
+        let (_, mut travels, _) = walked(&[(0.0, 0.0, 0.0); 3]);
+        travels[2] = None;
+        let alignment = Alignment {
+            pose: Pose::IDENTITY,
+            information: Matrix3::from_diagonal(&Vector3::new(0.0, 1e4, 1e4)),
+            share: 1.0,
+            stray: 0.0,
+        };
+        let closure = Closure { visits: [0, 2], agreement: Agreement { alignment, walls: Walls::Alike } };
+        let relaxed = LocalFrames::relax(&travels, vec![closure], &|| false).unwrap();
+        assert_eq!((&relaxed.undetermined, &relaxed.parts), (&vec![2], &vec![0; 3]));
+        assert_eq!((relaxed.outcome, relaxed.strain.degrees_of_freedom), (Outcome::Converged, 0));
+        travels[2] = travels[1];
+        assert!(LocalFrames::relax(&travels, vec![closure], &|| false).unwrap().undetermined.is_empty());
     }
 
     /// Wherever it is told to stop, it stops, and says no more than that.

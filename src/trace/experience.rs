@@ -288,7 +288,7 @@ mod tests {
     #[test]
     fn the_first_fault_names_line_and_pointer_and_keeps_what_came_before() {
         let first = format!(r#"{{"seq":0,"kind":"observation",{STAR},"dstate":0}}"#);
-        let cases: [(&str, &str); 18] = [
+        let cases: [(&str, &str); 22] = [
             (r#"{"seq":2,"kind":"travel"}"#, "line 2: /seq is 2, expected 1"),
             (r#"{"seq":1,"kind":"travel"}"#, "line 2: leaves by slot 0, which has no outward gateway"),
             (
@@ -305,6 +305,22 @@ mod tests {
             (
                 r#"{"seq":1,"kind":"travel","odometry":[1,2,3]}"#,
                 "line 2: /odometry invalid type: sequence, expected an object",
+            ),
+            (
+                r#"{"seq":1,"kind":"travel","odometry":{"x":0,"y":-1e300,"theta":0}}"#,
+                "line 2: /odometry leads more than 10000 km off, expected metres",
+            ),
+            (
+                r#"{"seq":1,"kind":"travel","odometry":{"x":1,"y":0,"theta":0},"covariance":[1,0,0,0,-1,0,0,0,1]}"#,
+                "line 2: /covariance has a negative eigenvalue",
+            ),
+            (
+                r#"{"seq":1,"kind":"travel","odometry":{"x":1,"y":0,"theta":0},"covariance":[1,1,0,0,1,0,0,0,1]}"#,
+                "line 2: /covariance is not symmetric",
+            ),
+            (
+                r#"{"seq":1,"kind":"travel","odometry":{"x":1,"y":0,"theta":0},"covariance":[1,1]}"#,
+                "line 2: /covariance has 2 numbers, expected 9",
             ),
             (
                 r#"{"seq":1,"kind":"assert","visits":[0,1],"same":true}"#,

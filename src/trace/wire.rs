@@ -5,6 +5,7 @@
 //! pointer.
 
 use crate::geometry::Pose;
+use crate::grid::occupancy::FARTHEST;
 use crate::star::SlotIndex;
 use crate::trace::event::{
     Assert, Event, EventKind, Observation, Percept, Stamp, Travel, Turn, TurnDescription, TurnTarget,
@@ -307,14 +308,13 @@ impl WireEvent {
                 "stands without the odometry it belongs to; add odometry or leave it out",
             ));
         }
+        let odometry = self.odometry.map(WirePose::pose);
+        if odometry.is_some_and(|pose| pose.x.abs().max(pose.y.abs()) > FARTHEST) {
+            return Err(EventError::new("/odometry", "leads more than 10000 km off, expected metres"));
+        }
         let shape = self.shape.unwrap_or_default();
         check_points(shape.len(), "/shape")?;
-        Ok(Travel {
-            odometry: self.odometry.map(WirePose::pose),
-            covariance,
-            from_pose: self.from_pose.map(WirePose::pose),
-            shape,
-        })
+        Ok(Travel { odometry, covariance, from_pose: self.from_pose.map(WirePose::pose), shape })
     }
 
     fn assert(&self) -> Result<Assert, EventError> {

@@ -119,12 +119,31 @@ fn what_is_hardly_a_graph_is_relaxed_all_the_same() {
         ("VERTEX_SE2 5 1 2 3\n", "gauge: pose 5 held"),
         ("VERTEX_SE2 5 1 2 3\nVERTEX_SE2 9 0 0 0\n", "2 parts, of which nothing tells how they lie"),
         ("EDGE_SE2 0 1 1 0 0 0 0 0 0 0 9\n", "not determined by what was measured: pose 1"),
+        ("EDGE_SE2 0 1 1 0 0 0 0 0 0 0 0\n", "converged after 0 iterations"),
     ];
     for (graph, said) in cases {
         let output = fed(&["relax", "-"], graph.as_bytes());
         assert_eq!(output.status.code(), Some(0), "{graph:?}: {}", text(&output.stderr));
         assert!(text(&output.stdout).contains(said), "{graph:?}: {}", text(&output.stdout));
     }
+}
+
+/// Some of what was asked for cannot be: the rest is answered all the same.
+#[test]
+fn a_pose_that_nothing_determines_has_no_covariance() {
+    let graph = b"EDGE_SE2 0 1 1 0 0 4 0 0 4 0 4\nEDGE_SE2 1 2 1 0 0 0 0 0 0 0 9\n";
+    let asked = ["relax", "-", "--covariance", "1", "--covariance", "2"];
+    let report = json(&fed(&[&asked[..], &["--json"]].concat(), graph));
+    let covariances = &report["covariances"];
+    assert!((covariances["1"][0][0].as_f64().unwrap() - 0.25).abs() < 1e-6, "{covariances}");
+    assert_eq!(
+        (&covariances["2"], &report["undetermined"]),
+        (&serde_json::Value::Null, &serde_json::json!([2]))
+    );
+    let output = fed(&asked, graph);
+    assert_eq!(output.status.code(), Some(0));
+    let said = "covariance of pose 2: none, what was measured does not determine it";
+    assert!(text(&output.stdout).contains(said), "{}", text(&output.stdout));
 }
 
 #[test]

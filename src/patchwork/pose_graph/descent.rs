@@ -109,7 +109,9 @@ impl Descent<'_> {
                 }
             }
             if !damping.raise() {
-                return Some(Outcome::Stalled);
+                // Where nothing was measured nothing pulls, and there is nothing to solve.
+                let rests = slope.iter().all(|slope| *slope == 0.0);
+                return Some(if rests { Outcome::Converged } else { Outcome::Stalled });
             }
         }
     }

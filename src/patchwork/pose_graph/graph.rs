@@ -2,7 +2,7 @@
 
 use crate::geometry::Pose;
 use crate::patchwork::pose_graph::parts::parts;
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, SymmetricEigen};
 use rustc_hash::FxHashMap;
 use std::fmt;
 
@@ -97,7 +97,8 @@ impl PoseGraph {
         Ok(())
     }
 
-    /// Adds a measurement between two poses that are there. Repeated measurements of one displacement all count.
+    /// Adds a measurement between two poses that are there. Repeated measurements of one displacement all count. Information
+    /// that is below zero by the rounding of files is taken as zero there.
     pub fn add_edge(&mut self, edge: Edge) -> Result<(), GraphError> {
         let number = |id| self.index.get(&id).copied().ok_or(GraphError::UnknownPose(id));
         let ends = [number(edge.from)?, number(edge.to)?];
@@ -111,7 +112,7 @@ impl PoseGraph {
             return Err(GraphError::Information);
         }
         self.ends.push(ends);
-        self.edges.push(edge);
+        self.edges.push(Edge { information: semidefinite(edge.information), ..edge });
         Ok(())
     }
 
@@ -191,23 +192,42 @@ impl PoseGraph {
     }
 }
 
-/// How far below zero rounding may put an eigenvalue, relative to the largest entry: files have six digits.
-const ROUNDING: f64 = 1e-6;
+/// How far below zero rounding may put an eigenvalue, relative to the largest entry: files have six digits, so that each of
+/// three entries of a row is off by five millionths of itself at most.
+const ROUNDING: f64 = 1.5e-5;
+/// The same of our own rounding: what is below zero by no more is written and read as it is.
+const LAST_DIGITS: f64 = 1e-12;
 
 /// Whether a matrix is symmetric and positive semidefinite, up to the rounding of files.
 pub(super) fn is_information(information: &Matrix3<f64>) -> bool {
     let slack = ROUNDING * information.abs().max();
-    if (information - information.transpose()).abs().max() > slack {
-        return false;
+    (information - information.transpose()).abs().max() <= slack && is_semidefinite(information, ROUNDING)
+}
+
+/// Whether no eigenvalue is below zero by more than a share of the largest entry. Most matrices are positive definite, and then
+/// Cholesky is the fastest proof.
+fn is_semidefinite(matrix: &Matrix3<f64>, share: f64) -> bool {
+    let slack = (share * matrix.abs().max()).max(f64::MIN_POSITIVE);
+    (matrix + Matrix3::from_diagonal_element(slack)).cholesky().is_some()
+}
+
+/// The nearest positive semidefinite matrix (Higham 1988), but for the last digits: along a direction of negative information
+/// strain would fall without end.
+fn semidefinite(information: Matrix3<f64>) -> Matrix3<f64> {
+    if is_semidefinite(&information, LAST_DIGITS) {
+        return information;
     }
-    // Most are positive definite, and then Cholesky is the fastest proof.
-    let shifted = information + Matrix3::from_diagonal_element(slack.max(f64::MIN_POSITIVE));
-    shifted.cholesky().is_some()
+    let SymmetricEigen { eigenvectors, eigenvalues } =
+        SymmetricEigen::new((information + information.transpose()) / 2.0);
+    let clamped = Matrix3::from_diagonal(&eigenvalues.map(|value| value.max(0.0)));
+    let nearest = eigenvectors * clamped * eigenvectors.transpose();
+    (nearest + nearest.transpose()) / 2.0
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     fn edge(from: u64, to: u64) -> Edge {
         let displacement = Pose::new(1.0, 0.0, 0.0);
@@ -242,5 +262,38 @@ mod tests {
         graph.add_edge(Edge { information: Matrix3::zeros(), ..edge(7, 3) }).unwrap();
         graph.add_edge(edge(3, 7)).unwrap();
         assert_eq!(graph.edges().len(), 2);
+    }
+
+    fn taken(information: Matrix3<f64>) -> Matrix3<f64> {
+        let mut graph = PoseGraph::new();
+        [7, 3].iter().for_each(|id| graph.add_pose(PoseId(*id), None).unwrap());
+        graph.add_edge(Edge { information, ..edge(7, 3) }).unwrap();
+        graph.edges()[0].information
+    }
+
+    proptest! {
+        /// What measures less than three numbers, as a file has it.
+        #[test]
+        fn information_of_six_digits_is_taken_and_nowhere_below_zero(
+            ways in prop::collection::vec(prop::array::uniform3(-3.0..3.0f64), 1..3), scale in -3..8,
+        ) {
+            let way = |way: &[f64; 3]| nalgebra::Vector3::from(*way) * nalgebra::Vector3::from(*way).transpose();
+            let exact = ways.iter().map(way).sum::<Matrix3<f64>>() * 10_f64.powi(scale);
+            let written = exact.map(|n| format!("{n:.5e}").parse::<f64>().unwrap());
+            let (lifted, size) = (taken(written), exact.abs().max());
+            prop_assert!(lifted.symmetric_eigenvalues().min() > -1e-11 * size, "{lifted}");
+            prop_assert!((lifted - exact).abs().max() < 3e-5 * size, "{lifted} {exact}");
+            prop_assert_eq!(taken(lifted), lifted);
+        }
+    }
+
+    /// What rounding left below zero is lifted, and nothing else is touched.
+    #[test]
+    fn information_is_nowhere_below_zero() {
+        let diagonal = |x: f64| Matrix3::from_diagonal(&nalgebra::Vector3::new(x, 1e7, 1e7));
+        assert!((taken(diagonal(-1.0)) - diagonal(0.0)).abs().max() < 1e-8);
+        for kept in [diagonal(0.0), diagonal(1.0), Matrix3::from_element(1e300), Matrix3::zeros()] {
+            assert_eq!(taken(kept), kept);
+        }
     }
 }

@@ -284,6 +284,20 @@ fn information_of_nothing_leaves_all_but_the_gauge_undetermined() {
     ));
     assert_eq!(answer.undetermined, [PoseId(1), PoseId(2)]);
     assert_eq!((answer.objective, answer.degrees_of_freedom), (0.0, 0));
+    assert_eq!(answer.outcome, Outcome::Converged);
+}
+
+/// What the rounding of a file put below zero is no direction in which strain falls without end.
+#[test]
+fn strain_is_never_below_zero() {
+    let ahead = |x: f64| Pose::new(x, 0.0, 0.0);
+    let rounded = Matrix3::from_diagonal(&nalgebra::Vector3::new(-1.0, 1e7, 1e7));
+    let edges =
+        [(0, 1, 1.0), (1, 2, 1.0), (0, 2, 3.0)].map(|(from, to, x)| edge(from, to, ahead(x), rounded));
+    let answer = relaxed(&graph(&[Some(ahead(0.0)), Some(ahead(1.0)), Some(ahead(2.0))], &edges));
+    assert!((0.0..1e-9).contains(&answer.objective), "{}", answer.objective);
+    assert_eq!((answer.outcome, answer.undetermined), (Outcome::Converged, vec![PoseId(1), PoseId(2)]));
+    assert!(answer.poses.iter().all(|pose| pose.x.abs() < 10.0), "{:?}", answer.poses);
 }
 
 #[test]
