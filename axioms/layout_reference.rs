@@ -7,6 +7,7 @@ use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Matrix3xX, Vector2, Vector3};
 use std::f64::consts::TAU;
 use std::sync::LazyLock;
 use topostar::geometry::{Pose, wrap_angle};
+use topostar::metric::MetricParameters;
 
 /// How much of the variance of a heading error may be the same on all travels, and how much may not.
 pub(crate) type Share = (f64, f64);
@@ -231,7 +232,7 @@ pub(crate) fn places_are_apart(told: &Told<'_>) -> bool {
     let assigned = if told.is_new() { told.latest() } else { told.latest() + 1 };
     let verdict = |share: Share| {
         let estimate = Estimate::new(told, assigned, share);
-        match (estimate.agrees(), shares_a_spot(told, &estimate)) {
+        match (estimate.agrees(), shares_a_spot(told, &estimate) || is_crowded(told, &estimate)) {
             (false, _) => Verdict::Unlikely,
             (true, true) => Verdict::OneSpot,
             (true, false) => Verdict::Apart,
@@ -253,10 +254,49 @@ pub(crate) fn places_are_apart(told: &Told<'_>) -> bool {
     }
 }
 
+/// How far apart places are at least.
+pub(crate) fn separation(told: &Told<'_>) -> f64 {
+    let lengths = (1..=told.latest()).map(|to| told.travel(to, &Vector3::zeros(), &Vector3::zeros()));
+    lengths.map(|leg| leg.x.hypot(leg.y)).fold(told.bounds.separation, f64::min)
+}
+
+/// All pairs of places, by the first visits to them.
+pub(crate) fn pairs_of_places(told: &Told<'_>) -> Vec<(usize, usize)> {
+    let places: Vec<usize> =
+        (0..=told.latest()).filter(|&visit| told.first(told.story[visit].0) == visit).collect();
+    let before = |&to: &usize| places.iter().filter(move |&&from| from < to).map(move |&from| (from, to));
+    places.iter().flat_map(before).collect()
+}
+
+/// Whether no likely errors have all places apart. How many pairs bear on that the engine finds in its own way: where a
+/// gate is narrower that is fewest, where it is wider twice as many as touch each other.
+fn is_crowded(told: &Told<'_>, estimate: &Estimate<'_>) -> bool {
+    let (pairs, radius) = (pairs_of_places(told), separation(told));
+    let off = |&(from, to): &(usize, usize)| estimate.pose(from, to).0.xy().norm();
+    let near: Vec<&(usize, usize)> = pairs.iter().filter(|pair| off(pair) < radius).collect();
+    if near.is_empty() || (told.is_new() && near.iter().all(|(_, to)| *to != told.latest())) {
+        return false;
+    }
+    let gates = told.bounds.position_gate / MetricParameters::default().position_gate;
+    let degrees = |touching: usize| match gates {
+        narrow if narrow < 1.0 => 2,
+        plain if plain == 1.0 => touching.max(2),
+        _ => 2 * touching + 2,
+    };
+    let gate = |touching: usize| {
+        let degrees = degrees(touching);
+        gates * QUANTILES[degrees.div_ceil(2)].min(estimate.left(degrees)).max(0.0)
+    };
+    let radius = if gates > 1.0 { radius * ROUND } else { radius };
+    Profile::new(estimate, &pairs).rise(radius).is_none_or(|rise| rise.by > gate(rise.touching))
+}
+
+/// How near the sides of a regular polygon of 12 corners come to its middle, seen from which a corner is at one.
+pub(crate) const ROUND: f64 = 0.965_925_826_289_068_3;
+
 fn shares_a_spot(told: &Told<'_>, estimate: &Estimate<'_>) -> bool {
     let latest = told.latest();
-    let lengths = (1..=latest).map(|to| told.travel(to, &Vector3::zeros(), &Vector3::zeros()));
-    let separation = lengths.map(|leg| leg.x.hypot(leg.y)).fold(told.bounds.separation, f64::min);
+    let separation = separation(told);
     let gate = estimate.left(2).clamp(0.0, told.bounds.position_gate).sqrt();
     let least = if told.is_new() { latest } else { 1 };
     let pairs = (least..=latest).flat_map(|to| (0..to).map(move |from| (from, to)));
@@ -278,7 +318,8 @@ fn shares_a_spot(told: &Told<'_>, estimate: &Estimate<'_>) -> bool {
     let nearest = near.iter().min_by(|a, b| a.1.total_cmp(&b.1));
     near.iter().any(|&(_, farthest, from, to)| farthest + estimate.slack(from, to, gate) < separation)
         || nearest.is_some_and(|&(_, farthest, from, to)| {
-            let stays = || Profile::new(estimate, from, to).rises_beyond(gate * gate, separation * told.rim);
+            let stays =
+                || Profile::new(estimate, &[(from, to)]).rises_beyond(gate * gate, separation * told.rim);
             farthest < separation && stays()
         })
 }

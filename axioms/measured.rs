@@ -2,7 +2,7 @@
 
 use crate::clingo::on_random;
 use crate::engine::{names, stories};
-use crate::measured_reference::{LAWS, Told, decided};
+use crate::measured_reference::{LAWS, broken, decided};
 use crate::reference::Story;
 use proptest::prelude::*;
 use std::cell::Cell;
@@ -118,7 +118,7 @@ proptest! {
 #[test]
 fn the_profile_of_chi_square_refutes_what_its_reference_refutes() {
     let axioms = AxiomSet::of(Profile::Default);
-    let mut refuted = 0;
+    let (mut refuted, mut on_the_brink) = (0, 0);
     for (seed, latest) in [(6, 15), (20, 14), (32, 13), (34, 15)] {
         let places = corridor_grid(3, 3, 10.0);
         let trace = drifting_trace(&places, &covering_walk(&places, seed), Drift::WORST, seed).unwrap();
@@ -134,14 +134,14 @@ fn the_profile_of_chi_square_refutes_what_its_reference_refutes() {
                 }
                 let visits = candidate.visits.iter().chain([&assignment]);
                 let story: Story = visits.map(|at| (at.place.index(), at.rotation as usize)).collect();
-                let told = Told::new(seen, &story);
-                let broken = LAWS.iter().find(|(_, law)| !law(&told)).map(|(id, _)| *id);
-                assert_eq!(found, broken, "{seed} {story:?}");
-                refuted += usize::from(found == Some(AxiomId::Apart));
+                let broken = broken(seen, &story);
+                on_the_brink += usize::from(broken.is_none());
+                assert!(broken.is_none_or(|broken| broken == found), "{seed} {story:?} {found:?} {broken:?}");
+                refuted += usize::from(found == Some(AxiomId::Apart) && broken.is_some());
             }
         }
     }
-    assert!(refuted > 0);
+    assert!(refuted > 0 && on_the_brink < 4, "{refuted} {on_the_brink}");
 }
 
 pub(crate) fn recorded(name: &str) -> Vec<Sighting> {

@@ -285,9 +285,27 @@ fn headings_close(told: &Told<'_>) -> bool {
     off.abs() <= told.bounds.sigmas * chain.iter().chain([&travel]).map(sigma).sum::<f64>()
 }
 
-/// Whether a law holds of all beginnings of a story; `None` on the brink: where it would be otherwise with gates a
-/// twentieth narrower or wider, and circles that are drawn around spots as polygons with their corners on the rim.
+/// Whether a law holds of all beginnings of a story; `None` on the brink.
 pub(crate) fn decided(law: Law, seen: &[Sighting], story: &[(usize, usize)]) -> Option<bool> {
+    within(&|told| {
+        let beginning = |length: usize| Told { seen: &seen[..length], story: &story[..length], ..told };
+        (2..=story.len()).all(|length| law(&beginning(length)))
+    })
+}
+
+/// The law that the latest observation of a story breaks first, if it breaks one; `None` on the brink.
+pub(crate) fn broken(seen: &[Sighting], story: &[(usize, usize)]) -> Option<Option<AxiomId>> {
+    for (axiom, law) in LAWS {
+        if !within(&|told| law(&Told { seen, story, ..told }))? {
+            return Some(Some(*axiom));
+        }
+    }
+    Some(None)
+}
+
+/// What holds under the bounds that serve all data; `None` on the brink: where it would be otherwise with gates a
+/// twentieth narrower or wider, and circles that are drawn around spots as polygons with their corners on the rim.
+fn within(holds: &dyn Fn(Told<'_>) -> bool) -> Option<bool> {
     let holds = |(gates, rim): (f64, f64)| {
         let plain = MetricParameters::default();
         let bounds = MetricParameters {
@@ -295,8 +313,7 @@ pub(crate) fn decided(law: Law, seen: &[Sighting], story: &[(usize, usize)]) -> 
             pose_gate: plain.pose_gate * gates,
             ..plain
         };
-        let told = |length: usize| Told { bounds, rim, ..Told::new(&seen[..length], &story[..length]) };
-        (2..=story.len()).all(|length| law(&told(length)))
+        holds(Told { bounds, rim, ..Told::new(&[], &[]) })
     };
     let [narrow, plain, wide] = [(0.95, 1.0), (1.0, 1.0), (1.05, POLYGON)].map(holds);
     (narrow == plain && wide == plain).then_some(plain)

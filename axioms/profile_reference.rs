@@ -1,4 +1,4 @@
-//! The profile of chi-square, slowly: of all errors with which two visits lie at least so far apart the likeliest.
+//! The profile of chi-square, slowly: of all errors with which visits lie at least so far apart the likeliest.
 //!
 //! All errors are unknowns of one function, whole poses and no tangents: their own chi-square, that of the loops, and a
 //! penalty for what lacks to the distance, which grows until nothing lacks (Courant 1943). Its derivatives are
@@ -7,12 +7,12 @@
 use crate::layout_reference::Estimate;
 use nalgebra::{DMatrix, DVector, Vector2, Vector3};
 use std::f64::consts::TAU;
+use topostar::geometry::Pose;
 
-/// Chi-square as a function of the errors of a story, and two of its visits.
+/// Chi-square as a function of the errors of a story, and pairs of its visits.
 pub(crate) struct Profile<'a> {
     estimate: &'a Estimate<'a>,
-    from: usize,
-    to: usize,
+    pairs: Vec<(usize, usize)>,
     /// Which errors bear on anything.
     unknowns: Vec<usize>,
     /// The least chi-square wherever the two visits lie, and its errors.
@@ -20,14 +20,19 @@ pub(crate) struct Profile<'a> {
     rest: DVector<f64>,
 }
 
-/// The likeliest errors found with which two visits lie apart.
+/// The likeliest errors found with which all pairs lie apart.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rise {
     /// How much more chi-square they take than the least.
     pub(crate) by: f64,
     /// Whether the steps that led there came to rest.
     pub(crate) rests: bool,
+    /// How many pairs lie no farther apart than they must.
+    pub(crate) touching: usize,
 }
+
+/// What is made of where the visits of each pair lie, seen from the first.
+type Lacks<'a> = dyn Fn(&[Vector2<f64>]) -> Vec<f64> + 'a;
 
 /// Sides towards which the search starts.
 const STARTS: usize = 8;
@@ -37,7 +42,7 @@ const PENALTIES: [f64; 3] = [1e1, 1e3, 1e6];
 const BEYOND: f64 = 1e-4;
 
 impl<'a> Profile<'a> {
-    pub(crate) fn new(estimate: &'a Estimate<'a>, from: usize, to: usize) -> Profile<'a> {
+    pub(crate) fn new(estimate: &'a Estimate<'a>, pairs: &[(usize, usize)]) -> Profile<'a> {
         let told = estimate.told;
         let travels = 0..3 * told.latest();
         let firsts = estimate.loops.iter().map(|&visit| told.first(told.story[visit].0));
@@ -46,65 +51,84 @@ impl<'a> Profile<'a> {
         let mut unknowns: Vec<usize> = travels.chain(astray).chain(common).collect();
         unknowns.sort_unstable();
         unknowns.dedup();
-        let mut profile = Profile { estimate, from, to, unknowns, least: 0.0, rest: estimate.mean.clone() };
+        let mut profile =
+            Profile { estimate, pairs: pairs.to_vec(), unknowns, least: 0.0, rest: estimate.mean.clone() };
         (profile.rest, _) = profile.descend(&profile.rest, &|_| Vec::new());
         profile.least = profile.chi_square(&profile.rest);
         profile
     }
 
-    /// How much chi-square grows at least for the two visits to lie so far apart, from every start; none if no start
-    /// leads there.
+    /// How much chi-square grows at least for all pairs to lie so far apart, from every start; none if no start
+    /// leads there. Starts are those with one pair at the distance, towards each side.
     pub(crate) fn rise(&self, distance: f64) -> Option<Rise> {
-        let rises = (0..STARTS).filter_map(|start| self.rise_from(start, distance));
+        let rises = self.starts(distance).filter_map(|(pair, start)| self.rise_from(pair, start, distance));
         rises.min_by(|a, b| a.by.total_cmp(&b.by))
     }
 
     /// Whether no errors that take at most so much more chi-square were found with which they lie so far apart.
     pub(crate) fn rises_beyond(&self, gate: f64, distance: f64) -> bool {
-        (0..STARTS).all(|start| self.rise_from(start, distance).is_none_or(|rise| rise.by > gate))
+        let rise = |(pair, start)| self.rise_from(pair, start, distance);
+        self.starts(distance).all(|start| rise(start).is_none_or(|rise| rise.by > gate))
     }
 
-    fn rise_from(&self, start: usize, distance: f64) -> Option<Rise> {
+    /// The pairs that are nearer than they are to be, and the sides.
+    fn starts(&self, distance: f64) -> impl Iterator<Item = (usize, usize)> {
+        let near: Vec<usize> = self
+            .between(&self.rest)
+            .iter()
+            .map(|at| at.norm())
+            .enumerate()
+            .filter_map(|(pair, off)| (off < distance).then_some(pair))
+            .collect();
+        near.into_iter().flat_map(|pair| (0..STARTS).map(move |start| (pair, start)))
+    }
+
+    fn rise_from(&self, pair: usize, start: usize, distance: f64) -> Option<Rise> {
         let asked = distance + BEYOND;
         let angle = start as f64 / STARTS as f64 * TAU;
         let goal = asked * Vector2::new(angle.cos(), angle.sin());
-        let (mut errors, _) = self.descend(&self.rest, &|at| (at - goal).iter().copied().collect());
+        let (mut errors, _) = self.descend(&self.rest, &|at| (at[pair] - goal).iter().copied().collect());
         let mut rests = false;
         for penalty in PENALTIES {
-            let lacks = |at: &Vector2<f64>| vec![f64::sqrt(penalty) * (at.norm() - asked).min(0.0)];
-            (errors, rests) = self.descend(&errors, &lacks);
+            let lack = |at: &Vector2<f64>| f64::sqrt(penalty) * (at.norm() - asked).min(0.0);
+            (errors, rests) = self.descend(&errors, &|at| at.iter().map(lack).collect());
         }
-        let reached = self.between(&self.estimate.poses(&errors)).norm() >= distance;
-        reached.then(|| Rise { by: self.chi_square(&errors) - self.least, rests })
+        let apart: Vec<f64> = self.between(&errors).iter().map(|at| at.norm()).collect();
+        let touching = apart.iter().filter(|apart| **apart < asked + 1e-2).count();
+        let reached = apart.iter().all(|apart| *apart >= distance);
+        reached.then(|| Rise { by: self.chi_square(&errors) - self.least, rests, touching })
     }
 
-    /// Where the one visit lies, seen from the other.
-    fn between(&self, poses: &[topostar::geometry::Pose]) -> Vector2<f64> {
-        let seen = poses[self.from].inverse().compose(&poses[self.to]);
-        Vector2::new(seen.x, seen.y)
+    /// Where the later visit of each pair lies, seen from the earlier one.
+    fn between(&self, errors: &DVector<f64>) -> Vec<Vector2<f64>> {
+        self.among(&self.estimate.poses(errors))
+    }
+
+    fn among(&self, poses: &[Pose]) -> Vec<Vector2<f64>> {
+        let seen = |&(from, to): &(usize, usize)| {
+            let seen = poses[from].inverse().compose(&poses[to]);
+            Vector2::new(seen.x, seen.y)
+        };
+        self.pairs.iter().map(seen).collect()
     }
 
     fn chi_square(&self, errors: &DVector<f64>) -> f64 {
         errors.norm_squared() + self.residuals(errors, &|_| Vec::new()).norm_squared()
     }
 
-    /// What loops leave open, in standard deviations, and what more is made of where the one visit lies.
-    fn residuals(&self, errors: &DVector<f64>, more: &dyn Fn(&Vector2<f64>) -> Vec<f64>) -> DVector<f64> {
+    /// What loops leave open, in standard deviations, and what more is made of where the pairs lie.
+    fn residuals(&self, errors: &DVector<f64>, more: &Lacks<'_>) -> DVector<f64> {
         let (estimate, bounds) = (self.estimate, &self.estimate.told.bounds);
         let sigma = Vector3::new(bounds.extent_sigma, bounds.extent_sigma, bounds.bearing_sigma);
         let poses = estimate.poses(errors);
         let off = |&visit: &usize| estimate.off_among(&poses, visit, errors).component_div(&sigma);
         let mut all: Vec<f64> = estimate.loops.iter().flat_map(|visit| off(visit).data.0[0]).collect();
-        all.extend(more(&self.between(&poses)));
+        all.extend(more(&self.among(&poses)));
         DVector::from_vec(all)
     }
 
     /// Errors with a lesser sum of squares, theirs among them, and whether they came to rest.
-    fn descend(
-        &self,
-        start: &DVector<f64>,
-        more: &dyn Fn(&Vector2<f64>) -> Vec<f64>,
-    ) -> (DVector<f64>, bool) {
+    fn descend(&self, start: &DVector<f64>, more: &Lacks<'_>) -> (DVector<f64>, bool) {
         let sum = |errors: &DVector<f64>| errors.norm_squared() + self.residuals(errors, more).norm_squared();
         let (mut errors, mut damping) = (start.clone(), 1e-3);
         let mut least = sum(&errors);
@@ -132,7 +156,7 @@ impl<'a> Profile<'a> {
         (errors, false)
     }
 
-    fn slope(&self, errors: &DVector<f64>, more: &dyn Fn(&Vector2<f64>) -> Vec<f64>) -> DMatrix<f64> {
+    fn slope(&self, errors: &DVector<f64>, more: &Lacks<'_>) -> DMatrix<f64> {
         let step = 1e-4;
         let rows = self.residuals(errors, more).len();
         let mut slope = DMatrix::zeros(rows, errors.len());

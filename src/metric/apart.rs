@@ -54,6 +54,15 @@ pub(super) fn to_part(
     std::array::from_fn(|share| judged(story, share, rim)?)
 }
 
+/// As [`crate::metric::Measurements::to_part_all`].
+pub(super) fn to_part_all(story: &Story<'_>, distance: f64) -> [Option<f64>; SHARES.len()] {
+    let crowd = |layout: &Layout| {
+        let crowd = if layout.agrees() { layout.crowd(&first_visits(story, layout), distance) } else { None };
+        crowd.map(|crowd| crowd.chi_square)
+    };
+    std::array::from_fn(|share| judged(story, share, crowd)?)
+}
+
 /// What is made of the layout that a proposal is judged in: by the loop that the latest travel closes too, if it does.
 fn judged<T>(story: &Story<'_>, share: usize, make: impl Fn(&Layout) -> T) -> Option<T> {
     match story.outcome {
@@ -109,6 +118,15 @@ fn crowd(story: &Story<'_>, layout: &Layout, separation: f64) -> Option<Breach> 
     }
     let Crowd { chi_square, gate, spans } = layout.crowd(&visits, separation)?;
     Some(Breach::Crowd { spans, chi_square, gate, separation })
+}
+
+/// The first visits to all places since the last travel that was not measured.
+fn first_visits(story: &Story<'_>, layout: &Layout) -> Vec<usize> {
+    let latest = story.latest();
+    let measured = |&visit: &usize| layout.joins(Span { from: visit - 1, to: visit });
+    let since = (1..=latest).rev().find(|visit| !measured(visit)).unwrap_or(0);
+    let mut places = BTreeSet::new();
+    (since..=latest).filter(|&visit| places.insert(story.place(visit))).collect()
 }
 
 /// How far apart two different places are at least.
