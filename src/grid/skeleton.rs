@@ -124,10 +124,8 @@ pub fn skeletonize(
     let gate = nearest_core_cell(grid, start, &core, parameters).ok_or(SkeletonError::NoFreeSpace)?;
     let members = Patches::new(&core.inside, true).around(gate);
     let exits = core.exits(&members);
-    let rooms_at = |ratio| {
-        let members: Vec<usize> = members.iter().cloned().flatten().collect();
-        rooms(&window.cut, &members, &core.squared, |i| window.on_rim(window.cell(i)), ratio)
-    };
+    let rooms_at =
+        |ratio| rooms(&window.cut, &members, &core.squared, |i| window.on_rim(window.cell(i)), ratio);
     let rooms = parameters.room_ratio.map(rooms_at).unwrap_or_default();
     let dead_end = match (&exits[..], &rooms[..]) {
         ([], [] | [_]) => return Err(SkeletonError::NoWayOut),

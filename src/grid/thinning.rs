@@ -14,35 +14,41 @@ pub(super) fn thin(stride: usize, stretches: &[Range<usize>], rank: &[u32], anch
     let mut marks = vec![GONE; rank.len()];
     stretches.iter().for_each(|stretch| marks[stretch.clone()].fill(THERE));
     anchors.iter().for_each(|&i| marks[i] = FIXED);
-    let mut order = Vec::with_capacity(stretches.iter().map(Range::len).sum());
-    stretches.iter().for_each(|stretch| order.extend(stretch.start as u32..stretch.end as u32));
-    peel(&sorted(order, rank), rank, &mut marks, stride);
+    peel(&sorted(stretches, rank), rank, &mut marks, stride);
     stretches.iter().cloned().flatten().filter(|&i| marks[i] != GONE).collect()
 }
 
 /// What has become of a cell.
 const GONE: u8 = 0;
 const THERE: u8 = 1;
+/// Its turn has come.
+const DUE: u8 = THERE | 2;
 /// It is an anchor.
-const FIXED: u8 = 2;
+const FIXED: u8 = THERE | 4;
 
-/// Cells given by ascending position, sorted by rank and then by position; by counting where ranks are dense.
-pub(super) fn sorted(mut cells: Vec<u32>, rank: &[u32]) -> Vec<u32> {
-    let of = |&cell: &u32| rank[cell as usize];
-    let most = cells.iter().map(of).max().unwrap_or(0) as usize;
-    if most > 4 * cells.len() {
-        cells.sort_by_key(of);
+/// The cells of ascending stretches, sorted by rank and then by position; by counting where ranks are dense.
+pub(super) fn sorted(stretches: &[Range<usize>], rank: &[u32]) -> Vec<u32> {
+    let ranked = || {
+        let cells = |stretch: &Range<usize>| (stretch.start as u32..).zip(&rank[stretch.clone()]);
+        stretches.iter().flat_map(cells)
+    };
+    let count = stretches.iter().map(Range::len).sum();
+    let most = stretches.iter().filter_map(|stretch| rank[stretch.clone()].iter().max()).max();
+    let most = most.map_or(0, |&most| most as usize);
+    if most > 4 * count {
+        let mut cells: Vec<u32> = ranked().map(|(cell, _)| cell).collect();
+        cells.sort_by_key(|&cell| rank[cell as usize]);
         return cells;
     }
     let mut starts = vec![0u32; most + 2];
-    cells.iter().for_each(|cell| starts[of(cell) as usize + 1] += 1);
+    ranked().for_each(|(_, &rank)| starts[rank as usize + 1] += 1);
     (1..starts.len()).for_each(|rank| starts[rank] += starts[rank - 1]);
-    let mut sorted = vec![0; cells.len()];
-    for cell in &cells {
-        let slot = &mut starts[of(cell) as usize];
-        sorted[*slot as usize] = *cell;
+    let mut sorted = vec![0; count];
+    ranked().for_each(|(cell, &rank)| {
+        let slot = &mut starts[rank as usize];
+        sorted[*slot as usize] = cell;
         *slot += 1;
-    }
+    });
     sorted
 }
 
@@ -50,21 +56,21 @@ fn peel(order: &[u32], ranks: &[u32], marks: &mut [u8], stride: usize) {
     let around = ring(stride);
     let mut again: Vec<u32> = Vec::new();
     for level in order.chunk_by(|&a, &b| ranks[a as usize] == ranks[b as usize]) {
-        let rank = ranks[level[0] as usize];
         again.clear();
         again.extend(level);
+        level.iter().for_each(|&p| marks[p as usize] |= DUE);
         // A removal can make lower neighbours simple that were not when their turn came.
         let mut next = 0;
         while next < again.len() {
             let p = again[next] as usize;
             next += 1;
-            if marks[p] != THERE || !SIMPLE[neighborhood(marks, p, stride)] {
+            if marks[p] != DUE || !SIMPLE[neighborhood(marks, p, stride)] {
                 continue;
             }
             marks[p] = GONE;
             for offset in around {
                 let q = p.wrapping_add_signed(offset);
-                if marks[q] == THERE && ranks[q] <= rank {
+                if marks[q] == DUE {
                     again.push(q as u32);
                 }
             }
