@@ -5,6 +5,7 @@
 //! is left is the thinnest set that joins the anchors along the ridges of the distance, in other words the
 //! widest ways between them (Coeurjolly, Couprie and Zrour call it a guided homotopic skeleton).
 
+use crate::grid::plane::gathered;
 use std::ops::Range;
 
 /// The cells that remain of some in a grid with rows of `stride` cells, ascending. They come as stretches of rows,
@@ -23,6 +24,8 @@ const GONE: u8 = 0;
 const THERE: u8 = 1;
 /// Its turn has come.
 const DUE: u8 = THERE | 2;
+/// What tells that of eight marks.
+const ALL_DUE: u64 = 0x0202_0202_0202_0202;
 /// It is an anchor.
 const FIXED: u8 = THERE | 4;
 
@@ -64,15 +67,18 @@ fn peel(order: &[u32], ranks: &[u32], marks: &mut [u8], stride: usize) {
         while next < again.len() {
             let p = again[next] as usize;
             next += 1;
-            if marks[p] != DUE || !SIMPLE[neighborhood(marks, p, stride)] {
+            if marks[p] != DUE {
+                continue;
+            }
+            let neighbors = neighbors(marks, p, stride);
+            if !SIMPLE[gathered(neighbors) as usize] {
                 continue;
             }
             marks[p] = GONE;
-            for offset in around {
-                let q = p.wrapping_add_signed(offset);
-                if marks[q] == DUE {
-                    again.push(q as u32);
-                }
+            // Mostly there is none.
+            if neighbors & ALL_DUE != 0 {
+                let there = around.map(|offset| p.wrapping_add_signed(offset));
+                again.extend(there.into_iter().filter(|&q| marks[q] == DUE).map(|q| q as u32));
             }
         }
     }
@@ -84,40 +90,34 @@ fn ring(stride: usize) -> [isize; 8] {
     [1, s + 1, s, s - 1, -1, -s - 1, -s, -s + 1]
 }
 
-/// Which of the eight neighbours are present, a bit each in the order of [`ring`].
-fn neighborhood(marks: &[u8], p: usize, stride: usize) -> usize {
-    let row = |middle: usize| {
-        [marks[middle - 1], marks[middle], marks[middle + 1]].map(|mark| usize::from(mark != GONE))
-    };
-    let (below, [left, _, right], above) = (row(p - stride), row(p), row(p + stride));
-    right
-        | above[2] << 1
-        | above[1] << 2
-        | above[0] << 3
-        | left << 4
-        | below[0] << 5
-        | below[1] << 6
-        | below[2] << 7
+/// The marks of the eight neighbours, row by row.
+fn neighbors(marks: &[u8], p: usize, stride: usize) -> u64 {
+    let row = |middle: usize| [marks[middle - 1], marks[middle], marks[middle + 1]];
+    let ([a, b, c], [d, _, e], [f, g, h]) = (row(p - stride), row(p), row(p + stride));
+    u64::from_le_bytes([a, b, c, d, e, f, g, h])
 }
 
-/// For every neighbourhood, whether its centre is simple: Yokoi's connectivity number for 8-connected figures is 1.
+/// Where in [`neighbors`] those of [`ring`] are.
+const RING: [usize; 8] = [4, 7, 6, 5, 3, 0, 1, 2];
+
+/// For every neighbourhood, a bit for each of [`neighbors`], whether its centre is simple: Yokoi's connectivity number for 8-connected figures is 1.
 static SIMPLE: [bool; 256] = simple_table();
 
 const fn simple_table() -> [bool; 256] {
     let mut table = [false; 256];
-    let mut ring = 0;
-    while ring < 256 {
+    let mut around = 0;
+    while around < 256 {
         let mut number = 0;
         let mut k = 0;
         while k < 8 {
-            let a = 1 - ((ring >> k) & 1);
-            let b = 1 - ((ring >> (k + 1)) & 1);
-            let c = 1 - ((ring >> ((k + 2) % 8)) & 1);
+            let a = 1 - ((around >> RING[k]) & 1);
+            let b = 1 - ((around >> RING[k + 1]) & 1);
+            let c = 1 - ((around >> RING[(k + 2) % 8]) & 1);
             number += a - a * b * c;
             k += 2;
         }
-        table[ring] = number == 1;
-        ring += 1;
+        table[around] = number == 1;
+        around += 1;
     }
     table
 }
