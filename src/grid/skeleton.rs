@@ -196,7 +196,7 @@ impl<'a> Core<'a> {
     /// Takes out the cells beyond the comfort distance wherever they reach the rim of the window.
     fn remove_open_expanses(&mut self, comfort_distance: f64) {
         let most = (comfort_distance / self.window.info.resolution).powi(2) as u32;
-        if self.squared.iter().max().is_none_or(|&squared| squared <= most) {
+        if self.squared.iter().copied().fold(0, u32::max) <= most {
             return;
         }
         let mut wide = Plane::empty(self.window.cut.width, self.window.cut.height);

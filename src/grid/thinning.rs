@@ -36,8 +36,8 @@ pub(super) fn sorted(stretches: &[Range<usize>], rank: &[u32]) -> Vec<u32> {
         stretches.iter().flat_map(cells)
     };
     let count = stretches.iter().map(Range::len).sum();
-    let most = stretches.iter().filter_map(|stretch| rank[stretch.clone()].iter().max()).max();
-    let most = most.map_or(0, |&most| most as usize);
+    let most_of = |stretch: &Range<usize>| rank[stretch.clone()].iter().copied().fold(0, u32::max);
+    let most = stretches.iter().map(most_of).fold(0, u32::max) as usize;
     if most > 4 * count {
         let mut cells: Vec<u32> = ranked().map(|(cell, _)| cell).collect();
         cells.sort_by_key(|&cell| rank[cell as usize]);
