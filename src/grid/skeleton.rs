@@ -196,9 +196,6 @@ impl<'a> Core<'a> {
     /// Takes out the cells beyond the comfort distance wherever they reach the rim of the window.
     fn remove_open_expanses(&mut self, comfort_distance: f64) {
         let most = (comfort_distance / self.window.info.resolution).powi(2) as u32;
-        if self.squared.iter().copied().fold(0, u32::max) <= most {
-            return;
-        }
         let mut wide = Plane::empty(self.window.cut.width, self.window.cut.height);
         self.inside.each_run(|start, end| {
             wide.insert_where(start, &self.squared[start..end], |&squared| squared > most);
