@@ -159,7 +159,9 @@ impl Plane {
 fn packed<T>(values: &[T], wanted: &impl Fn(&T) -> bool) -> u64 {
     // Eight at once, which compilers make much of.
     let (eights, rest) = values.as_chunks::<8>();
-    let eight = |values: &[T; 8]| gathered(u64::from_le_bytes(values.each_ref().map(|value| u8::from(wanted(value)))));
+    let eight = |values: &[T; 8]| {
+        gathered(u64::from_le_bytes(values.each_ref().map(|value| u8::from(wanted(value)))))
+    };
     let word = (0..).step_by(8).zip(eights).map(|(bit, values)| eight(values) << bit).sum::<u64>();
     let bit = |(bit, value): (usize, &T)| u64::from(wanted(value)) << bit;
     word | (eights.len() * 8..).zip(rest).map(bit).sum::<u64>()
