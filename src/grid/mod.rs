@@ -5,6 +5,7 @@ pub mod cleaning;
 pub mod distance;
 pub mod skeleton;
 pub mod skeleton_graph;
+mod passable;
 mod patches;
 mod plane;
 mod rooms;

@@ -2,6 +2,7 @@
 
 use crate::grid::GridInfo;
 use crate::grid::thinning::sorted;
+use std::ops::Range;
 
 /// A space at or above some clearance, by its first cell in the order of flooding.
 struct Space {
@@ -13,19 +14,19 @@ struct Space {
     parted: bool,
 }
 
-/// The widest cells of all rooms among the members, ascending. `squared` are squared distances in cells.
+/// The widest cells of all rooms among the members, which are stretches of rows, ascending. `squared` are squared distances in cells.
 ///
 /// Clearance is flooded from above. Where two spaces meet, the cell at which they do is the widest way between them; if
 /// each has somewhere `ratio` times that clearance, they are different spaces, and one that does not reach the rim is a
 /// room. (In the terms of morphology: peaks by their dynamics.) As long as sorting, else linear in the members.
 pub(super) fn rooms(
     info: &GridInfo,
-    members: &[usize],
+    members: &[Range<usize>],
     squared: &[u32],
     on_rim: impl Fn(usize) -> bool,
     ratio: f64,
 ) -> Vec<usize> {
-    let order = sorted(members.iter().map(|&i| i as u32).collect(), squared);
+    let order = sorted(members, squared);
     let mut flood = Flood { parents: Vec::new(), spaces: Vec::new(), rooms: Vec::new() };
     // 0 is no space yet.
     let mut space_of = vec![0u32; squared.len()];
@@ -104,7 +105,8 @@ mod tests {
     fn found(clearance: &[u32]) -> Vec<usize> {
         let info = GridInfo { resolution: 1.0, width: clearance.len(), height: 1, origin: Pose::IDENTITY };
         let squared: Vec<u32> = clearance.iter().map(|&c| c * c).collect();
-        let members: Vec<usize> = (0..clearance.len()).filter(|&i| clearance[i] > 0).collect();
+        let members: Vec<Range<usize>> =
+            (0..clearance.len()).filter(|&i| clearance[i] > 0).map(|i| i..i + 1).collect();
         rooms(&info, &members, &squared, |i| i == 0, 1.5)
     }
 

@@ -145,110 +145,116 @@ fn edge_of(info: &GridInfo, cells: Vec<CellIndex>) -> SkeletonEdge {
     SkeletonEdge { cells, length }
 }
 
-/// What a cell of the skeleton belongs to while the graph is built.
+/// What a cell is while the graph is built.
 #[derive(Clone, Copy, PartialEq)]
 enum Owner {
+    /// Not a cell of the skeleton.
     Nothing,
     Chain,
+    /// Of a chain that was followed.
+    Walked,
+    /// Of a junction that is not a node yet.
+    Crossing,
     Node(NodeIndex),
 }
 
 struct Builder<'a> {
     distance: &'a DistanceField,
-    cells: &'a [CellIndex],
-    /// The smallest part of the grid that holds the skeleton: its first cell, and its columns.
+    /// The smallest part of the grid that holds the skeleton, in a frame of one cell that makes every neighbourhood
+    /// complete: its first cell within the frame, and its columns.
     corner: CellIndex,
-    width: usize,
+    stride: usize,
+    /// The cells of the skeleton by their positions in that part, ascending.
+    places: Vec<usize>,
+    /// By position.
     owner: Vec<Owner>,
     graph: UnGraph<SkeletonNode, SkeletonEdge>,
 }
 
 impl<'a> Builder<'a> {
-    fn new(skeleton: &'a Skeleton, distance: &'a DistanceField) -> Self {
+    fn new(skeleton: &Skeleton, distance: &'a DistanceField) -> Self {
         let cells = &skeleton.cells[..];
         let span = |of: fn(&CellIndex) -> usize| {
             let first = cells.iter().map(of).min().unwrap_or(0);
             (first, cells.iter().map(of).max().map_or(0, |last| last + 1 - first))
         };
         let ((x, width), (y, height)) = (span(|cell| cell.x), span(|cell| cell.y));
-        let owner = vec![Owner::Nothing; width * height];
-        let corner = CellIndex { x, y };
-        let mut builder = Builder { distance, cells, corner, width, owner, graph: UnGraph::default() };
-        for &cell in cells {
-            let place = builder.place(cell);
-            builder.owner[place] = Owner::Chain;
-        }
+        let (corner, stride) = (CellIndex { x, y }, width + 2);
+        let owner = vec![Owner::Nothing; stride * (height + 2)];
+        let mut builder =
+            Builder { distance, corner, stride, places: Vec::new(), owner, graph: UnGraph::default() };
+        builder.places = cells.iter().map(|&cell| builder.place(cell)).collect();
+        builder.places.iter().for_each(|&place| builder.owner[place] = Owner::Chain);
         builder
     }
 
     /// The position of a cell of the skeleton.
     fn place(&self, cell: CellIndex) -> usize {
-        (cell.y - self.corner.y) * self.width + cell.x - self.corner.x
+        (cell.y - self.corner.y + 1) * self.stride + cell.x - self.corner.x + 1
     }
 
-    fn around(&self, cell: CellIndex) -> impl Iterator<Item = CellIndex> + '_ {
-        let info = self.distance.info();
-        info.neighbors(cell, true).filter(|&next| self.owner_of(next) != Owner::Nothing)
+    /// The inverse of `place`.
+    fn cell(&self, place: usize) -> CellIndex {
+        let (x, y) = (place % self.stride, place / self.stride);
+        CellIndex { x: x + self.corner.x - 1, y: y + self.corner.y - 1 }
     }
 
-    fn owner_of(&self, cell: CellIndex) -> Owner {
-        let beside = cell.x < self.corner.x || cell.y < self.corner.y || cell.x >= self.corner.x + self.width;
-        if beside {
-            return Owner::Nothing;
-        }
-        self.owner.get(self.place(cell)).copied().unwrap_or(Owner::Nothing)
-    }
-
-    fn add_node(&mut self, kind: NodeKind, cells: &[CellIndex]) {
-        let clearance = |cell: &CellIndex| self.distance.clearance(*cell);
-        let widest = cells.iter().copied().reduce(|a, b| if clearance(&b) > clearance(&a) { b } else { a });
-        let Some(cell) = widest else { return };
-        let node = self.graph.add_node(SkeletonNode { kind, cell, clearance: clearance(&cell) });
-        for &member in cells {
-            let place = self.place(member);
-            self.owner[place] = Owner::Node(node);
-        }
+    /// Cells of the skeleton around one of them, those that share a side first.
+    fn around(&self, place: usize) -> impl Iterator<Item = usize> + use<'_, 'a> {
+        let (stride, owner) = (self.stride, &self.owner);
+        let sides = [place + 1, place + stride, place - 1, place - stride];
+        let corners = [place + stride + 1, place + stride - 1, place - stride - 1, place - stride + 1];
+        sides.into_iter().chain(corners).filter(|&next| owner[next] != Owner::Nothing)
     }
 
     fn add_nodes(&mut self, skeleton: &Skeleton) {
-        skeleton.exits.iter().for_each(|&cell| self.add_node(NodeKind::Exit, &[cell]));
-        skeleton.rooms.iter().for_each(|&cell| self.add_node(NodeKind::Room, &[cell]));
-        skeleton.dead_end.iter().for_each(|&cell| self.add_node(NodeKind::DeadEnd, &[cell]));
-        let crossing: Vec<bool> = self.cells.iter().map(|&cell| self.around(cell).count() > 2).collect();
-        let crosses =
-            |cell: CellIndex| self.cells.binary_search_by_key(&key(cell), |&c| key(c)).map(|i| crossing[i]);
-        let mut clusters = Vec::new();
-        let mut seen = std::collections::BTreeSet::new();
-        for (&cell, _) in self.cells.iter().zip(&crossing).filter(|(_, crossing)| **crossing) {
-            if self.owner_of(cell) != Owner::Chain || !seen.insert(key(cell)) {
-                continue;
+        let mut add = |kind, cells: &[CellIndex]| {
+            cells.iter().for_each(|&cell| self.add_node(kind, &[self.place(cell)]));
+        };
+        add(NodeKind::Exit, &skeleton.exits);
+        add(NodeKind::Room, &skeleton.rooms);
+        add(NodeKind::DeadEnd, skeleton.dead_end.as_slice());
+        let crosses = |&&place: &&usize| self.owner[place] == Owner::Chain && self.around(place).count() > 2;
+        let crossings: Vec<usize> = self.places.iter().filter(crosses).copied().collect();
+        crossings.iter().for_each(|&place| self.owner[place] = Owner::Crossing);
+        for place in crossings {
+            if self.owner[place] == Owner::Crossing {
+                let cluster = self.cluster(place);
+                self.add_node(NodeKind::Junction, &cluster);
             }
-            let mut cluster = vec![cell];
-            let mut next = 0;
-            while next < cluster.len() {
-                for other in self.around(cluster[next]) {
-                    let joins = self.owner_of(other) == Owner::Chain && crosses(other) == Ok(true);
-                    if joins && seen.insert(key(other)) {
-                        cluster.push(other);
-                    }
-                }
-                next += 1;
-            }
-            clusters.push(cluster);
         }
-        clusters.iter().for_each(|cluster| self.add_node(NodeKind::Junction, cluster));
+    }
+
+    /// The cells of a junction, from one of them on, which are taken for those of a chain from then on.
+    fn cluster(&mut self, first: usize) -> Vec<usize> {
+        self.owner[first] = Owner::Chain;
+        let mut cluster = vec![first];
+        let mut next = 0;
+        while next < cluster.len() {
+            let begun = cluster.len();
+            cluster.extend(self.around(cluster[next]).filter(|&other| self.owner[other] == Owner::Crossing));
+            cluster[begun..].iter().for_each(|&other| self.owner[other] = Owner::Chain);
+            next += 1;
+        }
+        cluster
+    }
+
+    fn add_node(&mut self, kind: NodeKind, places: &[usize]) {
+        let clearance = |place: &usize| self.distance.clearance(self.cell(*place));
+        let widest = places.iter().copied().reduce(|a, b| if clearance(&b) > clearance(&a) { b } else { a });
+        let Some(widest) = widest else { return };
+        let (cell, clearance) = (self.cell(widest), clearance(&widest));
+        let node = self.graph.add_node(SkeletonNode { kind, cell, clearance });
+        places.iter().for_each(|&place| self.owner[place] = Owner::Node(node));
     }
 
     fn add_edges(&mut self) {
-        let mut walked = vec![false; self.owner.len()];
-        for &cell in self.cells {
-            let Owner::Node(node) = self.owner_of(cell) else { continue };
-            let around: Vec<CellIndex> = self.around(cell).collect();
+        for place in std::mem::take(&mut self.places) {
+            let Owner::Node(node) = self.owner[place] else { continue };
+            let around: Vec<usize> = self.around(place).collect();
             for next in around {
-                match self.owner_of(next) {
-                    Owner::Chain if !walked[self.place(next)] => {
-                        self.walk(node, cell, next, &mut walked);
-                    }
+                match self.owner[next] {
+                    Owner::Chain => self.walk(node, place, next),
                     Owner::Node(other) if node < other && self.graph.find_edge(node, other).is_none() => {
                         let cells = vec![self.graph[node].cell, self.graph[other].cell];
                         self.graph.add_edge(node, other, edge_of(self.distance.info(), cells));
@@ -260,32 +266,26 @@ impl<'a> Builder<'a> {
     }
 
     /// Follows a chain from a node's cell to the node at its other end and adds the edge.
-    fn walk(&mut self, node: NodeIndex, cell: CellIndex, first: CellIndex, walked: &mut [bool]) {
-        let info = self.distance.info();
+    fn walk(&mut self, node: NodeIndex, from: usize, first: usize) {
         let mut cells = vec![self.graph[node].cell];
-        let (mut before, mut at) = (cell, first);
+        let (mut before, mut at) = (from, first);
         loop {
-            walked[self.place(at)] = true;
-            cells.push(at);
-            let fresh = |next: &CellIndex| match self.owner_of(*next) {
-                Owner::Node(other) => *next != before && !(other == node && cells.len() == 2),
-                _ => *next != before && !walked[self.place(*next)],
+            self.owner[at] = Owner::Walked;
+            cells.push(self.cell(at));
+            let end = |next: usize| match self.owner[next] {
+                Owner::Node(other) if next != before && !(other == node && cells.len() == 2) => Some(other),
+                _ => None,
             };
-            let nodes = |next: &CellIndex| matches!(self.owner_of(*next), Owner::Node(_));
-            let ahead: Vec<CellIndex> = self.around(at).filter(fresh).collect();
-            let Some(&next) = ahead.iter().find(|next| nodes(next)).or(ahead.first()) else { return };
-            if let Owner::Node(other) = self.owner_of(next) {
+            let end = self.around(at).find_map(end);
+            if let Some(other) = end {
                 cells.push(self.graph[other].cell);
-                self.graph.add_edge(node, other, edge_of(info, cells));
+                self.graph.add_edge(node, other, edge_of(self.distance.info(), cells));
                 return;
             }
+            let Some(next) = self.around(at).find(|&next| self.owner[next] == Owner::Chain) else { return };
             (before, at) = (at, next);
         }
     }
-}
-
-fn key(cell: CellIndex) -> (usize, usize) {
-    (cell.y, cell.x)
 }
 
 #[cfg(test)]

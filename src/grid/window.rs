@@ -7,7 +7,8 @@ use std::ops::Range;
 pub(super) struct Window<'a> {
     pub(super) info: &'a GridInfo,
     center: CellIndex,
-    radius: f64,
+    /// The greatest squared distance from the middle at which a cell is in the window, and at which it is not on its rim.
+    most: [u64; 2],
     rim: f64,
     /// The smallest part of the grid that holds the window, with a frame of one cell around it, which may lie beyond the
     /// grid; indices of cells are positions in it.
@@ -28,23 +29,23 @@ impl<'a> Window<'a> {
             height: end(center.y, info.height) - corner.y + 2,
             ..*info
         };
-        Window { info, center, radius, rim, cut, corner }
+        // Of whole numbers, those up to the square are those up to its whole part.
+        let most = [radius, (radius - rim).max(0.0)].map(|radius| (radius * radius) as u64);
+        Window { info, center, most, rim, cut, corner }
     }
 
     pub(super) fn contains(&self, at: CellIndex) -> bool {
-        self.squared_offset(at) <= self.radius * self.radius
+        self.squared_offset(at) <= self.most[0]
     }
 
     /// Whether a cell of the window is nearer to what is not in the window than the depth of the rim.
     pub(super) fn on_rim(&self, at: CellIndex) -> bool {
-        let inner = (self.radius - self.rim).max(0.0);
         let edge = at.x.min(at.y).min(self.info.width - 1 - at.x).min(self.info.height - 1 - at.y);
-        (edge as f64) < self.rim || self.squared_offset(at) > inner * inner
+        (edge as f64) < self.rim || self.squared_offset(at) > self.most[1]
     }
 
-    fn squared_offset(&self, at: CellIndex) -> f64 {
-        let (dx, dy) = (at.x as f64 - self.center.x as f64, at.y as f64 - self.center.y as f64);
-        dx * dx + dy * dy
+    fn squared_offset(&self, at: CellIndex) -> u64 {
+        (at.x.abs_diff(self.center.x) as u64).pow(2) + (at.y.abs_diff(self.center.y) as u64).pow(2)
     }
 
     /// Where in the cut out part a cell is, if it is there.
@@ -93,7 +94,7 @@ impl<'a> Window<'a> {
 
     /// Positions in one of the rows that are in the window.
     pub(super) fn stretch(&self, row: usize) -> Range<usize> {
-        self.disc(row, self.radius)
+        self.disc(row, self.most[0])
     }
 
     /// Those of them that are not on the rim.
@@ -104,29 +105,20 @@ impl<'a> Window<'a> {
         if y < depth || y.saturating_add(depth) >= self.info.height {
             return first..first;
         }
-        let disc = self.disc(row, (self.radius - self.rim).max(0.0));
+        let disc = self.disc(row, self.most[1]);
         let place = |x: usize| first + x.saturating_sub(self.corner.x);
         let start = disc.start.max(place(depth));
         start..disc.end.min(place(self.info.width.saturating_sub(depth))).max(start)
     }
 
-    /// Positions in one of the rows that are in a disc around the middle of the window.
-    fn disc(&self, row: usize, radius: f64) -> Range<usize> {
+    /// Positions in one of the rows that are in a disc around the middle of the window of so great a squared radius.
+    fn disc(&self, row: usize, most: u64) -> Range<usize> {
         let (y, first) = (self.y(row), row * self.cut.width + 1);
-        let most = radius * radius;
-        let in_disc = |dx: usize| self.squared_offset(CellIndex { x: self.center.x + dx, y }) <= most;
-        if !in_disc(0) {
+        let Some(left) = most.checked_sub((y.abs_diff(self.center.y) as u64).pow(2)) else {
             return first..first;
-        }
-        let across = y.abs_diff(self.center.y) as f64;
-        let mut half = ((most - across * across).max(0.0).sqrt() as usize).min(self.cut.width);
-        // The root is rounded.
-        while half > 0 && !in_disc(half) {
-            half -= 1;
-        }
-        while half < self.cut.width && in_disc(half + 1) {
-            half += 1;
-        }
+        };
+        // No root of a number below 2^52 is rounded up to a whole one, and no grid is as wide as that of a greater.
+        let half = (left as f64).sqrt() as usize;
         let middle = self.center.x - self.corner.x;
         first + middle.saturating_sub(half)..first + (middle + half + 1).min(self.cut.width - 2)
     }

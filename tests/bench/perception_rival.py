@@ -39,17 +39,29 @@ def packed(array):
     return base64.b64encode(numpy.ascontiguousarray(array).tobytes()).decode()
 
 
+def cut_to(core):
+    """The smallest part of an array that holds what is true, in a frame of one cell."""
+    first_last = [numpy.flatnonzero(core.any(axis=axis))[[0, -1]] for axis in (1, 0)]
+    return tuple(slice(max(first - 1, 0), last + 2) for first, last in first_last)
+
+
 def skeletons(core, seconds):
-    for name, thin in [("skeletonize", skeletonize), ("medial_axis", medial_axis)]:
+    whole = slice(0, None), slice(0, None)
+    ways = [("skeletonize", skeletonize, whole), ("cut, skeletonize", skeletonize, cut_to(core)),
+            ("medial_axis", medial_axis, whole)]
+    for name, thin, part in ways:
         def graph_of():
-            cells = thin(core)
+            cells = thin(core[part])
             return cells, sknw.build_sknw(cells.astype(numpy.uint16), multi=True)
 
         (cells, graph), took = least(graph_of, seconds)
+        found = numpy.zeros(core.shape, numpy.uint8)
+        found[part] = cells
         components = networkx.number_connected_components(graph)
         loops = graph.number_of_edges() - graph.number_of_nodes() + components
-        junctions = [list(map(float, graph.nodes[n]["o"])) for n in graph.nodes if graph.degree(n) >= 3]
-        yield {"name": name, "seconds": took, "cells": packed(cells.astype(numpy.uint8)), "components": components,
+        corner = [rows_or_columns.start for rows_or_columns in part]
+        junctions = [list(map(float, graph.nodes[n]["o"] + corner)) for n in graph.nodes if graph.degree(n) >= 3]
+        yield {"name": name, "seconds": took, "cells": packed(found), "components": components,
                "loops": loops, "junctions": junctions}
 
 
