@@ -4,6 +4,7 @@
 use crate::measured_reference::Told;
 use crate::profile_reference::Profile;
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Matrix3xX, Vector2, Vector3};
+use std::cmp::Ordering;
 use std::f64::consts::TAU;
 use std::sync::LazyLock;
 use topostar::geometry::{Pose, wrap_angle};
@@ -278,10 +279,10 @@ fn is_crowded(told: &Told<'_>, estimate: &Estimate<'_>) -> bool {
         return false;
     }
     let gates = told.bounds.position_gate / MetricParameters::default().position_gate;
-    let degrees = |touching: usize| match gates {
-        narrow if narrow < 1.0 => 2,
-        plain if plain == 1.0 => touching.max(2),
-        _ => 2 * touching + 2,
+    let degrees = |touching: usize| match gates.total_cmp(&1.0) {
+        Ordering::Less => 2,
+        Ordering::Equal => touching.max(2),
+        Ordering::Greater => 2 * touching + 2,
     };
     let gate = |touching: usize| {
         let degrees = degrees(touching);
