@@ -7,7 +7,7 @@ use crate::cli::classic::{self, is_of_views};
 use crate::cli::failure::Failure;
 use crate::cli::input::{Events, read_arrivals, read_events};
 use crate::cli::log::{LogArgs, is_log};
-use crate::cli::patchwork::{Patchwork, or_left_out, patchwork};
+use crate::cli::patchwork::{Patchwork, or_left_out, patchwork, strain_in_words};
 use crate::cli::poses::{pose_errors, poses_in_words};
 use crate::cli::standstill::{Stopped, before_in_words, pictures, stopped};
 use crate::cli::words::{certainty, in_words, reasons_in_words, truth_in_words};
@@ -155,6 +155,7 @@ impl Map {
         }
         write!(stdout(), "{}", in_words(report, wire))?;
         write!(stdout(), "{}{}", reasons_in_words(wire), truth_in_words(wire))?;
+        write!(stdout(), "{}", wire.strain.as_deref().map(strain_in_words).unwrap_or_default())?;
         write!(stdout(), "{}", wire.poses.as_deref().map(poses_in_words).unwrap_or_default())?;
         if let Some(Stopped { why, before }) = stopped {
             write!(stdout(), "{}\n{}", standstill_text(why), before_in_words(before))?;

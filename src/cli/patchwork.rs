@@ -3,7 +3,9 @@
 use crate::abduction::Assignment;
 use crate::cli::failure::Failure;
 use crate::cli::input::Way;
-use crate::export::{MapStrain, map_png, map_yaml};
+use crate::export::{
+    MapStrain, RelaxationOutcome, StrainSum, WallsCompared, WayRelaxed, WayStrain, map_png, map_yaml,
+};
 use crate::geometry::Pose;
 use crate::grid::OccupancyGrid;
 use crate::grid::occupancy::MAX_SIDE;
@@ -61,6 +63,7 @@ pub(super) fn patchwork<'a>(
         by_map: way.drive.trajectory(&relaxed.by_map.poses),
         by_scans: way.drive.trajectory(&relaxed.by_scans.poses),
     });
+    let strain = MapStrain { way: Some(WayStrain::of(&relaxed)), ..strain };
     Ok(Some(Patchwork { strain, trajectories, survey, way, frames, driven: relaxed.by_scans.poses }))
 }
 
@@ -103,6 +106,35 @@ impl Patchwork<'_> {
         let open = LocalFrames::relax(&self.survey.travels(), Vec::new(), &|| false).map_err(broken)?;
         Ok(fitted(|canvas| self.survey.grid(&open, canvas, &|| false)))
     }
+}
+
+/// What strains the preferred map and the way of a log, in words.
+pub(super) fn strain_in_words(MapStrain { strain, way, .. }: &MapStrain) -> String {
+    let ended = |outcome: RelaxationOutcome| match outcome {
+        RelaxationOutcome::Converged => "",
+        RelaxationOutcome::OutOfIterations => ", which is not the least: out of steps",
+        RelaxationOutcome::Interrupted => ", which is not the least: it was told to stop",
+        RelaxationOutcome::Stalled => ", which may not be the least: no step lowers it",
+    };
+    let StrainSum { chi_square, degrees_of_freedom, outcome, .. } = strain;
+    let mut text = format!(
+        "\npatchwork: strain {chi_square:.1} with {degrees_of_freedom} degrees of freedom{}\n",
+        ended(*outcome)
+    );
+    let differ = strain.edges.iter().filter(|edge| edge.walls == Some(WallsCompared::Differ));
+    for [first, later] in differ.map(|edge| edge.observations) {
+        text += &format!("  the walls seen at observations {first} and {later} do not lie on each other\n");
+    }
+    let Some(WayStrain { frames, by_map, by_scans, passes }) = way else { return text };
+    let both = [("by the map", by_map), ("with passes laid onto each other", by_scans)];
+    text += &format!("  the way: {frames} frames, {passes} pairs of them on different passes\n");
+    for (by, WayRelaxed { chi_square, degrees_of_freedom, outcome, .. }) in both {
+        let ended = ended(*outcome);
+        text += &format!(
+            "    {by}: strain {chi_square:.1} with {degrees_of_freedom} degrees of freedom{ended}\n"
+        );
+    }
+    text
 }
 
 /// What is made beside a map, or people are told why it is left out: the map does not depend on it.

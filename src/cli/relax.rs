@@ -2,7 +2,7 @@
 
 use crate::cli::failure::Failure;
 use crate::cli::input::{open, plain_extension};
-use crate::export::{RelaxationReport, RelaxationSeconds, poses_svg};
+use crate::export::{RelaxationOutcome, RelaxationReport, RelaxationSeconds, poses_svg};
 use crate::patchwork::format::{InformationOrder, ReadGraph, read_graph, write_g2o, write_toro, write_tum};
 use crate::patchwork::{Loss, Outcome, PoseGraph, PoseId, RelaxOptions, Relaxation, Relaxer, Start};
 use clap::{Args, ValueEnum};
@@ -242,9 +242,12 @@ fn describe(text: &mut String, report: &RelaxationReport) -> std::fmt::Result {
         writeln!(text, "  {:.6} with the loss asked for", report.cost)?;
     }
     let ended = match report.outcome {
-        "converged" => "converged",
-        "stalled" => "did not converge: no step lowers the cost, numbers are too large or too far apart",
-        _ => "did not converge: --max-iterations is reached",
+        RelaxationOutcome::Converged => "converged",
+        RelaxationOutcome::Stalled => {
+            "did not converge: no step lowers the cost, numbers are too large or too far apart"
+        }
+        RelaxationOutcome::OutOfIterations => "did not converge: --max-iterations is reached",
+        RelaxationOutcome::Interrupted => "did not converge: it was told to stop",
     };
     writeln!(text, "{ended} after {} iterations from {}", report.iterations, report.start)?;
     writeln!(text, "gauge: {} held where it was", listed(&report.gauge, "pose", "poses"))?;

@@ -56,7 +56,9 @@ pub use report::{
     Assertion, Bound, Count, Extinction, Preferred, Relation, Report, StopReason, Strategy, profile_name,
 };
 pub use standstill::{Dissenting, Doubt, Standstill, standstill_text};
-pub use strain::{MapStrain, StrainSum, StrainedSpan, WallsCompared};
+pub use strain::{
+    MapStrain, RelaxationOutcome, StrainSum, StrainedSpan, WallsCompared, WayRelaxed, WayStrain,
+};
 pub use ties::{TieOrder, TieStrain, Ties};
 pub use truth::{Mark, Repeated, Truth};
 pub use view_report::{PreferredViews, ViewReport, ViewStopReason, ViewStrategy};

@@ -1,5 +1,6 @@
 //! A relaxed pose graph as JSON.
 
+use crate::export::strain::RelaxationOutcome;
 use crate::patchwork::{Outcome, PoseGraph, Relaxation, Start};
 use serde::Serialize;
 
@@ -20,8 +21,8 @@ pub struct RelaxationReport {
     pub iterations: usize,
     /// Whether no step would gain anything.
     pub converged: bool,
-    /// How it ended: `converged`, `out-of-iterations`, `interrupted` or `stalled`.
-    pub outcome: &'static str,
+    /// How it ended.
+    pub outcome: RelaxationOutcome,
     /// Where the answer was started from: `guesses`, `odometry` or `rotations`.
     pub start: &'static str,
     /// The poses that were not moved, by number.
@@ -89,12 +90,7 @@ impl RelaxationReport {
             degrees_of_freedom: answer.degrees_of_freedom,
             iterations: answer.iterations,
             converged: answer.outcome == Outcome::Converged,
-            outcome: match answer.outcome {
-                Outcome::Converged => "converged",
-                Outcome::OutOfIterations => "out-of-iterations",
-                Outcome::Interrupted => "interrupted",
-                Outcome::Stalled => "stalled",
-            },
+            outcome: answer.outcome.into(),
             start: match answer.start {
                 Start::Guesses | Start::Best => "guesses",
                 Start::Odometry => "odometry",

@@ -1,9 +1,10 @@
 //! What strains a map once its local frames are relaxed into one patchwork.
 
 use crate::geometry::Pose;
-use crate::patchwork::Outcome;
 use crate::patchwork::agreement::Walls;
+use crate::patchwork::assembly::RelaxedDrive;
 use crate::patchwork::local_frames::{EdgeStrain, LocalFrames};
+use crate::patchwork::{Outcome, Relaxation};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -17,6 +18,83 @@ pub struct MapStrain {
     /// The pose of the place of each observation on that visit, in the frame of the first: x, y in metres and heading in
     /// radians. Axes are those of the observation.
     pub poses: Vec<[f64; 3]>,
+    /// The way of a log, which is relaxed as well.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub way: Option<WayStrain>,
+}
+
+/// The way of a log relaxed: a frame every half metre of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct WayStrain {
+    /// How many frames it has.
+    pub frames: usize,
+    /// By odometry, scan matching and the visits that the map takes for one place.
+    pub by_map: WayRelaxed,
+    /// By pairs of frames on different passes too, laid onto each other.
+    pub by_scans: WayRelaxed,
+    /// How many pairs that are.
+    pub passes: usize,
+}
+
+/// How the relaxation of a way ended.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct WayRelaxed {
+    /// Chi-square of all that joins the frames.
+    pub chi_square: f64,
+    /// Numbers measured less numbers sought.
+    pub degrees_of_freedom: usize,
+    /// How many steps it took.
+    pub iterations: usize,
+    /// How it ended.
+    pub outcome: RelaxationOutcome,
+}
+
+/// How a relaxation ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum RelaxationOutcome {
+    /// No step would gain anything.
+    Converged,
+    /// The bound on steps was reached.
+    OutOfIterations,
+    /// It was told to stop.
+    Interrupted,
+    /// No step lowers the cost, though the slope says so: numbers are too large or too far apart.
+    Stalled,
+}
+
+impl From<Outcome> for RelaxationOutcome {
+    fn from(outcome: Outcome) -> RelaxationOutcome {
+        match outcome {
+            Outcome::Converged => RelaxationOutcome::Converged,
+            Outcome::OutOfIterations => RelaxationOutcome::OutOfIterations,
+            Outcome::Interrupted => RelaxationOutcome::Interrupted,
+            Outcome::Stalled => RelaxationOutcome::Stalled,
+        }
+    }
+}
+
+impl WayStrain {
+    /// Of a drive relaxed.
+    pub fn of(drive: &RelaxedDrive) -> WayStrain {
+        WayStrain {
+            frames: drive.by_map.poses.len(),
+            by_map: WayRelaxed::of(&drive.by_map),
+            by_scans: WayRelaxed::of(&drive.by_scans),
+            passes: drive.passes,
+        }
+    }
+}
+
+impl WayRelaxed {
+    fn of(answer: &Relaxation) -> WayRelaxed {
+        WayRelaxed {
+            chi_square: answer.objective,
+            degrees_of_freedom: answer.degrees_of_freedom,
+            iterations: answer.iterations,
+            outcome: answer.outcome.into(),
+        }
+    }
 }
 
 /// The strain of a map relaxed, in all and edge by edge.
@@ -29,6 +107,8 @@ pub struct StrainSum {
     pub degrees_of_freedom: usize,
     /// Whether relaxation has come to rest.
     pub converged: bool,
+    /// How it ended.
+    pub outcome: RelaxationOutcome,
     /// The observations whose poses can move without strain, so that where they lie says nothing, though travels or closures
     /// join them to others.
     pub undetermined: Vec<usize>,
@@ -76,7 +156,8 @@ impl WallsCompared {
 impl MapStrain {
     /// Of a candidate relaxed.
     pub fn of(frames: &LocalFrames) -> MapStrain {
-        MapStrain { strain: StrainSum::of(frames), poses: frames.poses.iter().map(wire_pose).collect() }
+        let poses = frames.poses.iter().map(wire_pose).collect();
+        MapStrain { strain: StrainSum::of(frames), poses, way: None }
     }
 }
 
@@ -99,6 +180,7 @@ impl StrainSum {
             chi_square: frames.strain.chi_square,
             degrees_of_freedom: frames.strain.degrees_of_freedom,
             converged: frames.outcome == Outcome::Converged,
+            outcome: frames.outcome.into(),
             undetermined: frames.undetermined.clone(),
             edges: frames.strains.iter().map(span).collect(),
         }

@@ -48,6 +48,11 @@ fn the_patchwork_of_aces_is_nearer_to_checked_relations_than_a_particle_filter()
     let strain = &report["strain"];
     println!("strain {} with {} degrees of freedom", strain["chi_square"], strain["degrees_of_freedom"]);
     assert_eq!(strain["converged"], true);
+    for way in ["by_map", "by_scans"] {
+        let relaxed = &strain["way"][way];
+        println!("way {way}: {relaxed}");
+        assert_eq!(relaxed["outcome"], "converged");
+    }
     // Fourteen travels and six visits to known places; fifteen frames, of which one is held.
     assert_eq!(
         (strain["edges"].as_array().unwrap().len(), &strain["degrees_of_freedom"]),

@@ -324,6 +324,16 @@ fn no_events_give_no_map_and_no_error() {
     assert_eq!((&report["candidates"]["value"], &report["preferred"]), (&0.into(), &Value::Null));
 }
 
+#[test]
+fn what_strains_a_measured_map_is_told_in_words() {
+    let words = String::from_utf8(fed(&["map", "-"], &topostar(&["world", "office"]).stdout).stdout).unwrap();
+    let strain = words.lines().find(|line| line.starts_with("patchwork: strain ")).unwrap();
+    assert!(strain.ends_with(" with 18 degrees of freedom"), "{strain}");
+    // Bare stars without odometry have no patchwork.
+    let words = String::from_utf8(topostar(&["map", "worlds/grid4x3-20.ndjson"]).stdout).unwrap();
+    assert!(words.contains("preferred map") && !words.contains("patchwork"), "{words}");
+}
+
 /// The picture at the head of the README is what the demo draws.
 #[test]
 fn the_demo_prefers_the_true_office_and_draws_it() {
