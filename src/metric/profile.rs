@@ -178,3 +178,38 @@ pub(super) fn pulls(covariance: &DMatrix<f64>, misses: &DVector<f64>) -> DVector
 pub(super) fn taken(covariance: &DMatrix<f64>, misses: &DVector<f64>, pulls: &DVector<f64>) -> f64 {
     2.0 * misses.dot(pulls) - pulls.dot(&(covariance * pulls))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn solved(covariance: [f64; 4], misses: [f64; 2]) -> ([f64; 2], f64) {
+        let (covariance, misses) =
+            (DMatrix::from_row_slice(2, 2, &covariance), DVector::from_row_slice(&misses));
+        let pulls = pulls(&covariance, &misses);
+        ([pulls[0], pulls[1]], taken(&covariance, &misses, &pulls))
+    }
+
+    #[test]
+    fn lines_pull_as_far_as_others_leave_it_to_them() {
+        let near = |found: ([f64; 2], f64), pulls: [f64; 2], taken: f64| {
+            let off = (found.0[0] - pulls[0]).abs() + (found.0[1] - pulls[1]).abs() + (found.1 - taken).abs();
+            assert!(off < 1e-5, "{found:?}");
+        };
+        near(solved([1.0, 0.5, 0.5, 1.0], [-1.0, -1.0]), [-2.0 / 3.0; 2], 4.0 / 3.0);
+        // What the first line takes is more than the second one asks for.
+        near(solved([1.0, 0.5, 0.5, 1.0], [-1.0, -0.2]), [-1.0, 0.0], 1.0);
+        near(solved([1.0, 0.5, 0.5, 1.0], [0.3, 0.2]), [0.0, 0.0], 0.0);
+        // A line that no errors move, one of which nothing is known, and one that was asked for before.
+        near(solved([0.0, 0.0, 0.0, 4.0], [-1.0, -2.0]), [0.0, -0.5], 1.0);
+        assert_eq!(solved([f64::NAN, 0.0, 0.0, 4.0], [-1.0, 2.0]).0, [0.0, 0.0]);
+        near(solved([1.0; 4], [-1.0; 2]), [-1.0, 0.0], 1.0);
+    }
+
+    /// Lines that no errors meet together take the more the longer they are pulled at, and never less than each alone.
+    #[test]
+    fn lines_against_each_other_take_more_than_each() {
+        let (pulls, taken) = solved([1.0, -1.0, -1.0, 1.0], [-1.0; 2]);
+        assert!(pulls.iter().all(|pull| pull.is_finite()) && taken > 100.0, "{pulls:?} {taken}");
+    }
+}
