@@ -106,10 +106,7 @@ fn spot(story: &Story<'_>, layout: &Layout, separation: f64) -> Option<Breach> {
 /// Places that are in each other's way in a layout.
 fn crowd(story: &Story<'_>, layout: &Layout, separation: f64) -> Option<Breach> {
     let latest = story.latest();
-    let since =
-        (0..=latest).rev().find(|&from| from == 0 || !layout.joins(Span { from: from - 1, to: from }))?;
-    let mut places = BTreeSet::new();
-    let visits: Vec<usize> = (since..=latest).filter(|&visit| places.insert(story.place(visit))).collect();
+    let visits = first_visits(story, layout);
     let at = |visit: usize| layout.poses[visit].position();
     let beside = |&visit: &usize| visit != latest && (at(visit) - at(latest)).norm() < separation;
     // A new place that is in nobody's way changes nothing.

@@ -133,6 +133,10 @@ impl<'a> Search<'a> {
             return Some(());
         }
         let (from, to, off) = self.next(&solved)?;
+        // A pair still within a side chosen for it is one that no errors move: more sides around it tell nothing.
+        if sides.iter().any(|&(one, other, _)| (one, other) == (from, to)) {
+            return None;
+        }
         let mut around: Vec<usize> = (0..SIDES).collect();
         // The side that is easiest to reach first: if there is a way it is soon found.
         let along = |side: &usize| self.along(from, *side).dot(&off);
