@@ -111,7 +111,8 @@ impl Breach {
                 over(story, *span, words)
             }
             Breach::Crowd { spans, chi_square, gate, separation } => {
-                let visits: Vec<usize> = spans.iter().flat_map(|span| [span.from, span.to]).collect();
+                let from = spans.iter().map(|span| span.from).min().unwrap_or(latest);
+                let to = spans.iter().map(|span| span.to).max().unwrap_or(latest);
                 let pairs: Vec<String> = spans
                     .iter()
                     .map(|span| format!("{} and {}", story.place(span.from), story.place(span.to)))
@@ -122,7 +123,7 @@ impl Breach {
                      {}",
                     pairs.join(", "),
                 );
-                clash(story, visits, Vec::new(), words)
+                over(story, Span { from, to }, words)
             }
         }
     }

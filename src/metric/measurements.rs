@@ -110,7 +110,8 @@ impl Measurements {
 
     /// Whether chi-square has to grow by more than a gate for the robot to have stood so many metres apart on the first visits
     /// to any two places, if a proposal holds, all at once: by which `apart` judges too. Answers are as those of
-    /// [`Measurements::to_part`]; the gate is that of the visits which bear on it.
+    /// [`Measurements::to_part`], and "at least" holds as far as a descent from the likeliest errors finds the least; the gate is
+    /// that of the visits which bear on it.
     pub fn to_part_all(&self, proposal: &Proposal<'_>, distance: f64) -> Vec<Option<f64>> {
         let known = proposal.branch.visits().len();
         let Some(stays) = self.stays.get(..=known) else { return Vec::new() };
