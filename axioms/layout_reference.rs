@@ -4,7 +4,6 @@
 use crate::measured_reference::Told;
 use crate::profile_reference::Profile;
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Matrix3xX, Vector2, Vector3};
-use std::cmp::Ordering;
 use std::f64::consts::TAU;
 use std::sync::LazyLock;
 use topostar::geometry::{Pose, wrap_angle};
@@ -269,31 +268,20 @@ pub(crate) fn pairs_of_places(told: &Told<'_>) -> Vec<(usize, usize)> {
     places.iter().flat_map(before).collect()
 }
 
-/// Whether no likely errors have all places apart. How many pairs bear on that the engine finds in its own way: where a
-/// gate is narrower that is fewest, where it is wider twice as many as touch each other.
+/// Whether no likely errors have all places apart. The engine may not find that out, so that it is never certain that it
+/// refutes by it: where gates are wide nothing is crowded. But where even narrow ones leave room, it must not.
 fn is_crowded(told: &Told<'_>, estimate: &Estimate<'_>) -> bool {
+    let gates = told.bounds.position_gate / MetricParameters::default().position_gate;
     let (pairs, radius) = (pairs_of_places(told), separation(told));
     let off = |&(from, to): &(usize, usize)| estimate.pose(from, to).0.xy().norm();
     let near: Vec<&(usize, usize)> = pairs.iter().filter(|pair| off(pair) < radius).collect();
-    if near.is_empty() || (told.is_new() && near.iter().all(|(_, to)| *to != told.latest())) {
+    let beside = near.iter().any(|(_, to)| !told.is_new() || *to == told.latest());
+    if gates > 1.0 || !beside {
         return false;
     }
-    let gates = told.bounds.position_gate / MetricParameters::default().position_gate;
-    let degrees = |touching: usize| match gates.total_cmp(&1.0) {
-        Ordering::Less => 2,
-        Ordering::Equal => touching.max(2),
-        Ordering::Greater => 2 * touching + 2,
-    };
-    let gate = |touching: usize| {
-        let degrees = degrees(touching);
-        gates * QUANTILES[degrees.div_ceil(2)].min(estimate.left(degrees)).max(0.0)
-    };
-    let radius = if gates > 1.0 { radius * ROUND } else { radius };
-    Profile::new(estimate, &pairs).rise(radius).is_none_or(|rise| rise.by > gate(rise.touching))
+    let gate = gates * QUANTILES[1].min(estimate.left(2)).max(0.0);
+    Profile::new(estimate, &pairs).rise(radius).is_none_or(|rise| rise.by > gate)
 }
-
-/// How near the sides of a regular polygon of 12 corners come to its middle, seen from which a corner is at one.
-pub(crate) const ROUND: f64 = 0.965_925_826_289_068_3;
 
 fn shares_a_spot(told: &Told<'_>, estimate: &Estimate<'_>) -> bool {
     let latest = told.latest();
