@@ -27,8 +27,6 @@ pub(crate) struct Rise {
     pub(crate) by: f64,
     /// Whether the steps that led there came to rest.
     pub(crate) rests: bool,
-    /// How many pairs lie no farther apart than they must.
-    pub(crate) touching: usize,
 }
 
 /// What is made of where the visits of each pair lie, seen from the first.
@@ -93,10 +91,8 @@ impl<'a> Profile<'a> {
             let lack = |at: &Vector2<f64>| f64::sqrt(penalty) * (at.norm() - asked).min(0.0);
             (errors, rests) = self.descend(&errors, &|at| at.iter().map(lack).collect());
         }
-        let apart: Vec<f64> = self.between(&errors).iter().map(|at| at.norm()).collect();
-        let touching = apart.iter().filter(|apart| **apart < asked + 1e-2).count();
-        let reached = apart.iter().all(|apart| *apart >= distance);
-        reached.then(|| Rise { by: self.chi_square(&errors) - self.least, rests, touching })
+        let reached = self.between(&errors).iter().all(|at| at.norm() >= distance);
+        reached.then(|| Rise { by: self.chi_square(&errors) - self.least, rests })
     }
 
     /// Where the later visit of each pair lies, seen from the earlier one.
