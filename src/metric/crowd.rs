@@ -10,8 +10,10 @@
 //! the branch ends; else each side around a place comes next that lies within another's polygon. If no place does, all can
 //! lie apart, to first order.
 //!
-//! The gate of some sides is that of as many degrees of freedom as of them bear: given which ones do, chi-square is so
-//! distributed (Wollan and Dykstra 1986).
+//! The gate of some sides is that of as many degrees of freedom as of them bear: of one cone and covariance, chi-square is so
+//! distributed given which ones do (Wollan and Dykstra 1986). Here the sides are chosen by the data and the covariance is a
+//! bound ([`crate::metric::share`]), so that it is a rule that this law suggests; how often it fails is counted, not proven
+//! (`cargo xtask evaluate`).
 
 use crate::geometry::{Vector, direction};
 use crate::metric::layout::{Layout, Span};
