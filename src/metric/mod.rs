@@ -20,6 +20,7 @@ mod apart;
 mod breach;
 mod chain;
 mod closure;
+mod conflicts;
 mod crowd;
 mod distance;
 mod frames;
@@ -30,6 +31,7 @@ mod parameters;
 mod profile;
 mod remainder;
 mod share;
+mod sides;
 mod uncertainty;
 
 pub use measurements::Measurements;

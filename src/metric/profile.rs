@@ -6,7 +6,7 @@
 //! that line is compared with the gate, as a difference of chi-squares is distributed as that of a linear model is
 //! whatever the coordinates are.
 
-use crate::geometry::{Vector, direction};
+use crate::geometry::{Pose, Vector, direction};
 use crate::metric::layout::{Layout, Span};
 use crate::metric::leg::lever;
 use nalgebra::{DMatrix, DVector, RowVector3};
@@ -21,7 +21,7 @@ const SETTLED: f64 = 0.01;
 /// After so many linearisations each goes half of the way.
 const CALM: f64 = 8.0;
 /// How much chi-square it is to take to first order to come to the lines looked at before a side, in gates.
-const NEARER: [f64; 2] = [1.5, 3.0];
+pub(super) const NEARER: [f64; 2] = [1.5, 3.0];
 
 /// A line that a visit is to lie on, seen from an earlier one: the points so far in a direction of that one's frame.
 #[derive(Clone, Copy, Debug)]
@@ -29,6 +29,15 @@ pub(super) struct Line {
     pub(super) span: Span,
     pub(super) direction: Vector,
     pub(super) at: f64,
+}
+
+/// Visits put on lines.
+#[derive(Clone, Debug)]
+pub(super) struct Reached {
+    /// How much more chi-square that takes.
+    pub(super) chi_square: f64,
+    /// Where all visits then lie.
+    pub(super) poses: Vec<Pose>,
 }
 
 /// A side of the polygon, and where the visit lies towards it.
@@ -72,12 +81,12 @@ impl Layout {
     fn beyond(&self, side: &Side, gate: f64) -> Option<f64> {
         let before = NEARER.map(|gates| side.off + (gates * gate).sqrt() * side.sigma);
         let lines = before.into_iter().filter(|&at| at < side.line.at).chain([side.line.at]);
-        let mut takes = lines.map(|at| self.to_reach(&[Line { at, ..side.line }]));
-        takes.find_map(|takes| takes.filter(|&takes| takes > gate))
+        let mut reached = lines.map(|at| self.to_reach(&[Line { at, ..side.line }]));
+        reached.find_map(|reached| Some(reached?.chi_square).filter(|&takes| takes > gate))
     }
 
-    /// How much more chi-square it takes at least to put visits on lines from this side of each, or beyond.
-    pub(super) fn to_reach(&self, lines: &[Line]) -> Option<f64> {
+    /// What it takes at least to put visits on lines from this side of each, or beyond. `None` where it is not found out.
+    pub(super) fn to_reach(&self, lines: &[Line]) -> Option<Reached> {
         let mut layout = self.clone();
         let (least, _) = layout.chi_square();
         let mut last = f64::NAN;
@@ -85,7 +94,7 @@ impl Layout {
             layout.solve()?;
             let conditions = Conditions::new(&layout, lines)?;
             if round == 0 && conditions.misses.iter().all(|misses| *misses >= 0.0) {
-                return Some(0.0);
+                return Some(Reached { chi_square: 0.0, poses: layout.poses });
             }
             let pulls = pulls(&conditions.covariance, &conditions.misses);
             let (closing, _) = layout.chi_square();
@@ -93,7 +102,7 @@ impl Layout {
             // Shorter steps end what goes to and fro between two linearisations.
             let way = 1.0 / (1.0 + round as f64 / CALM);
             if (chi_square - last).abs() < SETTLED * way {
-                return Some(chi_square - least);
+                return Some(Reached { chi_square: chi_square - least, poses: layout.poses });
             }
             last = chi_square;
             let beside = lines.iter().zip(&conditions.moves).zip(&pulls);

@@ -8,6 +8,9 @@
 
 #![allow(clippy::unwrap_used, reason = "an evaluation ends where something is wrong")]
 
+mod drifting;
+
+use drifting::{SPACING, drifting_walk, sightings};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -16,11 +19,9 @@ use topostar::abduction::{
 };
 use topostar::map::PlaceId;
 use topostar::metric::Measurements;
-use topostar::trace::{Experience, Sighting};
-use topostar::worlds::{Drift, StarTrace, corridor_grid, covering_walk, drifting_trace};
+use topostar::trace::Sighting;
+use topostar::worlds::{Drift, StarTrace};
 
-/// Metres from place to place.
-const SPACING: f64 = 10.0;
 /// The most candidates kept; walks that have more are counted for themselves.
 const LIMIT: usize = 1000;
 /// Where so many walks are searched or fewer, the candidates after each observation are printed.
@@ -92,13 +93,11 @@ struct Found {
 
 impl Outcome {
     fn of(side: usize, seed: u64, drift: Drift, search: bool) -> Outcome {
-        let places = corridor_grid(side, side, SPACING);
-        let trace = drifting_trace(&places, &covering_walk(&places, seed), drift, seed).unwrap();
+        let trace = drifting_walk(side, seed, drift);
         let truth = truth(&trace);
         let sightings = sightings(&trace);
-        let visits: Vec<Visit> = sightings.iter().map(Visit::from).collect();
-        let measured = sightings.iter().fold(Measurements::default(), |measured, seen| measured.with(seen));
-        let evidence = measured.evidence();
+        let visits: Vec<Visit> = sightings.iter().map(|(seen, _)| Visit::from(seen)).collect();
+        let evidence = sightings.last().and_then(|(_, measured)| measured.evidence());
         let judged = judge(&visits, evidence.as_deref(), AxiomSet::of(Profile::Default), &truth);
         let searched = search.then(|| Found::of(&explain(&sightings), &truth));
         Outcome { seed, travels: sightings.len() - 1, refuted: judged.err(), searched }
@@ -170,18 +169,10 @@ fn truth(trace: &StarTrace) -> Vec<Assignment> {
     trace.truth.iter().map(assignment).collect()
 }
 
-fn sightings(trace: &StarTrace) -> Vec<Sighting> {
-    let mut experience = Experience::new();
-    let look = |event| experience.accept(event, &|_, _| unreachable!("bare stars")).unwrap();
-    trace.events.iter().filter_map(look).collect()
-}
-
-fn explain(sightings: &[Sighting]) -> Abduction {
+fn explain(sightings: &[(Sighting, Measurements)]) -> Abduction {
     let limits = Limits { max_candidates: Some(LIMIT), ..Limits::default() };
     let mut abduction = Abduction::new(AxiomSet::of(Profile::Default), limits);
-    let mut measured = Measurements::default();
-    for sighting in sightings {
-        measured = measured.with(sighting);
+    for (sighting, measured) in sightings {
         abduction.observe_measured(&Visit::from(sighting), measured.evidence()).unwrap();
     }
     abduction

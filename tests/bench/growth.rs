@@ -2,21 +2,27 @@
 //!
 //! Exhaustively, on the recorded grids, the time of each observation and that of each map it creates; on the large grid
 //! under a limit, since nothing holds all its candidates. Best-first, the steps and the time from one more observation to
-//! the next proven minimum, or to the limit on steps, where that is said. Times are the least of a few repetitions by one
-//! thread; counts do not depend on the machine.
+//! the next proven minimum, or to the limit on steps, where that is said. With odometry that drifts as badly as the worst,
+//! in corridor grids of two sizes, the time of each observation and that of each candidate it extends. Times are the
+//! least of a few repetitions by one thread; counts do not depend on the machine.
 
 #![allow(clippy::unwrap_used, clippy::panic, missing_docs, reason = "a benchmark may fail")]
 
+mod drifting;
 #[path = "../../axioms/traces.rs"]
 mod traces;
 
 use rayon::ThreadPoolBuilder;
+use std::sync::Arc;
 use std::time::Instant;
-use topostar::abduction::{Abduction, AxiomSet, Limits, Profile, Visit};
+use topostar::abduction::{Abduction, AxiomSet, Evidence, Limits, Profile, Visit};
+use topostar::worlds::Drift;
 
 const REPETITIONS: usize = 3;
 /// Of the candidates of the large grid.
 const LIMIT: usize = 20_000;
+/// Of the candidates where odometry drifts.
+const MEASURED: usize = 200;
 /// Of a search for the simplest alone, after each observation.
 const STEPS: u64 = 100_000;
 
@@ -34,15 +40,32 @@ fn main() {
         ];
         for (how, trace, start) in runs {
             println!("\n{trace}, {}, {how}", profile.name());
-            pool.install(|| grow(&start, &traces::visits(trace)));
+            let seen: Vec<Seen> = traces::visits(trace).into_iter().map(|visit| (visit, None)).collect();
+            pool.install(|| grow(&start, &seen));
         }
+    }
+    let measured = Limits { max_candidates: Some(MEASURED), ..Limits::default() };
+    for side in [4, 6] {
+        println!(
+            "\n{side}x{side} places, default, odometry as bad as the worst, at most {MEASURED} candidates"
+        );
+        let start = Abduction::new(AxiomSet::of(Profile::Default), measured);
+        pool.install(|| grow(&start, &measured_walk(side)));
     }
 }
 
-fn grow(start: &Abduction, visits: &[Visit]) {
-    let mut grown: Vec<Event> = walk(start, visits);
+/// What is observed, and what was measured so far.
+type Seen = (Visit, Option<Arc<dyn Evidence>>);
+
+fn measured_walk(side: usize) -> Vec<Seen> {
+    let seen = drifting::sightings(&drifting::drifting_walk(side, 0, Drift::WORST));
+    seen.into_iter().map(|(seen, measured)| (Visit::from(&seen), measured.evidence())).collect()
+}
+
+fn grow(start: &Abduction, seen: &[Seen]) {
+    let mut grown: Vec<Event> = walk(start, seen);
     for _ in 1..REPETITIONS {
-        let again = walk(start, visits);
+        let again = walk(start, seen);
         grown
             .iter_mut()
             .zip(again)
@@ -73,12 +96,12 @@ struct Event {
     seconds: f64,
 }
 
-fn walk(start: &Abduction, visits: &[Visit]) -> Vec<Event> {
+fn walk(start: &Abduction, seen: &[Seen]) -> Vec<Event> {
     let mut abduction = start.clone();
     let mut created = 0;
-    let extend = |visit| {
+    let extend = |(visit, evidence): &Seen| {
         let begun = Instant::now();
-        abduction.observe(visit).unwrap();
+        abduction.observe_measured(visit, evidence.clone()).unwrap();
         abduction.settle(&|| false);
         let seconds = begun.elapsed().as_secs_f64();
         let settlement = abduction.settlement();
@@ -89,5 +112,5 @@ fn walk(start: &Abduction, visits: &[Visit]) -> Vec<Event> {
         let settled = settlement.is_some();
         Event { candidates: abduction.len(), done, settled, proven: report.proven, seconds }
     };
-    visits.iter().map(extend).collect()
+    seen.iter().map(extend).collect()
 }

@@ -1,0 +1,137 @@
+//! Whether conditions can hold of each of which one of several ways has to be taken, by what is learned where they cannot.
+//!
+//! Depth first: ways are taken one after the other, until some of them are too much together, a *conflict*, or nothing is left
+//! to take. A branch that contains a conflict known from elsewhere ends at once. Where each way on from a branch ends, what
+//! they ended by, without these ways themselves, is a conflict too; and where one of them ends by ways taken before it, so do
+//! all beside it (conflict-directed backjumping, Prosser 1993).
+
+use std::collections::BTreeSet;
+
+/// What there is beyond ways taken.
+pub(super) enum Look<W> {
+    /// One of these has to be taken next.
+    Next(Ways<W>),
+    /// Of the ways taken these are too much together.
+    Conflict(BTreeSet<W>),
+    /// Nothing is left to take, or nothing is found out.
+    Open,
+}
+
+/// Ways one of which has to be taken.
+pub(super) struct Ways<W> {
+    /// A way taken before of which they are the parts: without it there would be others.
+    pub(super) whole: Option<W>,
+    /// Those that are to be tried first come first.
+    pub(super) parts: Vec<W>,
+}
+
+/// Whether `look`, asked of `most` sets of ways at most, shows that no ways are left to take.
+///
+/// Law: it then says so exactly if every choice contains a conflict, where `look` is never open but of a choice of all.
+pub(super) fn are_all_closed<W: Copy + Ord>(most: usize, look: impl FnMut(&[W]) -> Look<W>) -> bool {
+    Search { left: most, look, conflicts: Vec::new() }.branch(&mut Vec::new()).is_some()
+}
+
+struct Search<W, L> {
+    left: usize,
+    look: L,
+    conflicts: Vec<BTreeSet<W>>,
+}
+
+impl<W: Copy + Ord, L: FnMut(&[W]) -> Look<W>> Search<W, L> {
+    /// Ends all branches beyond ways taken; those of them that are in conflict, or `None` if a branch does not end. As deep as
+    /// ways can be taken.
+    fn branch(&mut self, taken: &mut Vec<W>) -> Option<BTreeSet<W>> {
+        let holds = |conflict: &&BTreeSet<W>| conflict.iter().all(|way| taken.contains(way));
+        if let Some(known) = self.conflicts.iter().find(holds) {
+            return Some(known.clone());
+        }
+        self.left = self.left.checked_sub(1)?;
+        let conflict = match (self.look)(taken) {
+            Look::Open => return None,
+            Look::Conflict(conflict) => conflict,
+            Look::Next(ways) => {
+                let mut all: BTreeSet<W> = ways.whole.into_iter().collect();
+                for way in ways.parts {
+                    taken.push(way);
+                    let mut conflict = self.branch(taken)?;
+                    taken.pop();
+                    if !conflict.remove(&way) {
+                        return Some(conflict);
+                    }
+                    all.append(&mut conflict);
+                }
+                all
+            }
+        };
+        self.conflicts.push(conflict.clone());
+        Some(conflict)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Of a question, one of two sides and, of that, one of two parts.
+    type Way = (usize, usize, Option<usize>);
+
+    const QUESTIONS: usize = 4;
+
+    fn ways() -> impl Strategy<Value = Way> {
+        (0..QUESTIONS, 0usize..2, prop::option::of(0usize..2))
+    }
+
+    /// Every choice of parts, with the sides they are parts of.
+    fn choices() -> Vec<BTreeSet<Way>> {
+        let choice = |bits: usize| {
+            let question = |question: usize| {
+                let (side, part) = (bits >> (2 * question) & 1, bits >> (2 * question + 1) & 1);
+                [(question, side, None), (question, side, Some(part))]
+            };
+            (0..QUESTIONS).flat_map(question).collect()
+        };
+        (0..1usize << (2 * QUESTIONS)).map(choice).collect()
+    }
+
+    /// What is beyond ways taken if these are the conflicts, and questions come in this order.
+    fn look(conflicts: &[BTreeSet<Way>], order: &[usize], taken: &[Way]) -> Look<Way> {
+        let holds = |conflict: &&BTreeSet<Way>| conflict.iter().all(|way| taken.contains(way));
+        if let Some(conflict) = conflicts.iter().find(holds) {
+            return Look::Conflict(conflict.clone());
+        }
+        let of = |question: usize| taken.iter().rfind(move |way| way.0 == question);
+        let next = order.iter().find(|&&question| of(question).is_none_or(|way| way.2.is_none()));
+        let Some(&question) = next else { return Look::Open };
+        let ways = match of(question) {
+            None => Ways { whole: None, parts: vec![(question, 0, None), (question, 1, None)] },
+            Some(&whole) => {
+                let part = |part| (question, whole.1, Some(part));
+                Ways { whole: Some(whole), parts: vec![part(0), part(1)] }
+            }
+        };
+        Look::Next(ways)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 2048, failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn all_are_closed_exactly_if_every_choice_has_a_conflict(
+            conflicts in prop::collection::vec(prop::collection::btree_set(ways(), 1..4), 0..24),
+            order in Just((0..QUESTIONS).collect::<Vec<_>>()).prop_shuffle(),
+        ) {
+            let closed = are_all_closed(usize::MAX, |taken: &[Way]| look(&conflicts, &order, taken));
+            let ended = |choice: &BTreeSet<Way>| conflicts.iter().any(|conflict| conflict.is_subset(choice));
+            prop_assert_eq!(closed, choices().iter().all(ended));
+        }
+    }
+
+    #[test]
+    fn what_is_not_looked_at_is_not_closed() {
+        let conflicts: Vec<BTreeSet<Way>> = [0, 1].map(|side| BTreeSet::from([(0, side, None)])).into();
+        let asked = |most| are_all_closed(most, |taken: &[Way]| look(&conflicts, &[0, 1, 2, 3], taken));
+        assert_eq!([0, 1, 2, 3].map(asked), [false, false, false, true]);
+    }
+}
