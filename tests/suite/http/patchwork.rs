@@ -19,7 +19,7 @@ use topostar::worlds::{LpmTrace, bundled, lpm_trace};
 const GRID: &str = "/v1/maps/office/candidates/preferred/grid";
 const GRAPH: &str = "/v1/maps/office/candidates/preferred/graph";
 
-pub(super) fn office() -> LpmTrace {
+fn office() -> LpmTrace {
     lpm_trace(&bundled("office").unwrap(), 0, 0.1).unwrap()
 }
 
