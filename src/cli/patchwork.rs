@@ -114,7 +114,8 @@ pub(super) fn strain_in_words(MapStrain { strain, way, .. }: &MapStrain) -> Stri
         RelaxationOutcome::Converged => "",
         RelaxationOutcome::OutOfIterations => ", which is not the least: out of steps",
         RelaxationOutcome::Interrupted => ", which is not the least: it was told to stop",
-        RelaxationOutcome::Stalled => ", which may not be the least: no step lowers it",
+        RelaxationOutcome::Stalled => ", which may not be the least: rounding keeps it from falling",
+        RelaxationOutcome::Overflow => ", which is beyond what a number holds",
     };
     let StrainSum { chi_square, degrees_of_freedom, outcome, .. } = strain;
     let mut text = format!(

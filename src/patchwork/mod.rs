@@ -18,6 +18,6 @@ pub mod survey;
 pub mod ties;
 
 pub use pose_graph::{
-    Edge, GraphError, Loss, MAX_POSES, Outcome, Part, Patchwork, PoseGraph, PoseId, RelaxError, RelaxOptions,
-    Relaxation, Relaxer, Start, Strain, Trial, Update, format, relax, relax_until,
+    Edge, GraphError, IncrementalGraph, Loss, MAX_POSES, Outcome, Part, PoseGraph, PoseId, RelaxError,
+    RelaxOptions, Relaxation, Relaxer, Start, Strain, Trial, Update, format, relax, relax_until,
 };
