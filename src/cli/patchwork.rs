@@ -10,8 +10,9 @@ use crate::geometry::Pose;
 use crate::grid::OccupancyGrid;
 use crate::grid::occupancy::MAX_SIDE;
 use crate::patchwork::assembly::{RelaxedDrive, Stop};
+use crate::patchwork::closures::Agreements;
 use crate::patchwork::format::{write_g2o, write_trajectory};
-use crate::patchwork::local_frames::{Agreements, LocalFrames, LocalFramesError, graph};
+use crate::patchwork::local_frames::{LocalFrames, LocalFramesError, graph};
 use crate::patchwork::merged::{Canvas, MergeError};
 use crate::patchwork::survey::Survey;
 
