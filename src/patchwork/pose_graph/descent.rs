@@ -10,7 +10,8 @@
 //! all is determined. There half its gain is the square of Newton's decrement (Boyd and Vandenberghe 2004, section 9.5.1).
 
 use crate::patchwork::pose_graph::problem::{Problem, State};
-use crate::patchwork::pose_graph::relax::{Outcome, RelaxOptions};
+use crate::patchwork::pose_graph::relax::RelaxOptions;
+use crate::patchwork::pose_graph::relaxation::Outcome;
 use crate::patchwork::pose_graph::structure::{NOWHERE, Structure};
 use crate::patchwork::pose_graph::system::System;
 
@@ -102,7 +103,7 @@ impl Descent<'_> {
             if let Some(step) = self.step(&slope, &diagonals, damping.0) {
                 let last = enough.is_little(step.gain);
                 if last && !from_none {
-                    (*damping, from_none) = (Damping(0.0), true);
+                    (*damping, from_none, promised) = (Damping(0.0), true, None);
                     continue;
                 }
                 let promised = *promised.get_or_insert(step.gain);
@@ -118,9 +119,7 @@ impl Descent<'_> {
                 }
             }
             if !damping.raise() {
-                // Where nothing was measured nothing pulls, and there is nothing to solve.
-                let rests = slope.iter().all(|slope| *slope == 0.0);
-                return Some(if rests { Outcome::Converged } else { Outcome::Stalled });
+                return Some(if is_at_rest(&slope) { Outcome::Converged } else { Outcome::Stalled });
             }
         }
     }
@@ -171,6 +170,11 @@ impl Descent<'_> {
         };
         states.iter().zip(self.nodes).map(moved).collect()
     }
+}
+
+/// Whether nothing pulls: nothing was measured, and there is nothing to solve.
+fn is_at_rest(slope: &[f64]) -> bool {
+    slope.iter().all(|slope| *slope == 0.0)
 }
 
 /// What is too little to be worth a step.

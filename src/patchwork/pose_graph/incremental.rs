@@ -4,7 +4,8 @@ use crate::geometry::Pose;
 use crate::patchwork::pose_graph::RelaxError;
 use crate::patchwork::pose_graph::blocks::Neighbours;
 use crate::patchwork::pose_graph::graph::{Edge, GraphError, PoseGraph, PoseId};
-use crate::patchwork::pose_graph::relax::{Outcome, RelaxOptions, Relaxer, Start};
+use crate::patchwork::pose_graph::relax::{RelaxOptions, Relaxer, Start};
+use crate::patchwork::pose_graph::relaxation::Outcome;
 
 /// A pose graph with its relaxed poses. What is added is relaxed on demand, and only what it touches: the loops through
 /// it; what hangs on them follows as it is, without strain.

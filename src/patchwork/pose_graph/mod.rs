@@ -22,6 +22,7 @@ mod loss;
 mod parts;
 mod problem;
 mod relax;
+mod relaxation;
 mod singular;
 mod start;
 mod strain;
@@ -31,7 +32,8 @@ mod system;
 pub use graph::{Edge, GraphError, MAX_POSES, PoseGraph, PoseId};
 pub use incremental::{IncrementalGraph, Update};
 pub use loss::Loss;
-pub use relax::{Outcome, Part, RelaxOptions, Relaxation, Relaxer, Start, Trial, relax, relax_until};
+pub use relax::{RelaxOptions, Relaxer, Start, relax, relax_until};
+pub use relaxation::{Outcome, Part, Relaxation, Trial};
 pub use strain::Strain;
 
 /// Why a graph cannot be relaxed at all.

@@ -32,6 +32,8 @@ pub(super) struct Constraint {
 pub(super) struct Problem {
     pub(super) constraints: Vec<Constraint>,
     pub(super) loss: Loss,
+    /// The information of all edges on metres, along and aside, and on radians.
+    weights: [f64; 2],
 }
 
 /// A pose with its direction.
@@ -89,7 +91,10 @@ impl Problem {
                 .cmp(&b.ends)
                 .then_with(|| (bits(&a.measured), bits(&a.weight)).cmp(&(bits(&b.measured), bits(&b.weight))))
         });
-        Problem { constraints, loss }
+        let weights = constraints.iter().fold([0.0; 2], |[metres, radians], Constraint { weight, .. }| {
+            [metres + weight[0] + weight[2], radians + weight[5]]
+        });
+        Problem { constraints, loss, weights }
     }
 
     /// The sum of the costs of all edges; infinite or none where a state is.
@@ -107,12 +112,9 @@ impl Problem {
     /// the last place of the numbers it is made of.
     pub(super) fn rounding(&self, states: &[State]) -> f64 {
         let most = |of: fn(&State) -> f64| states.iter().map(of).fold(1.0, f64::max);
-        let metres = UNITS * f64::EPSILON * most(|state| state.x.abs().max(state.y.abs()));
-        let radians = UNITS * f64::EPSILON * most(|state| state.theta.abs());
-        let weighed = |Constraint { weight: [a, _, c, _, _, f], .. }: &Constraint| {
-            (a + c) * metres * metres + f * radians * radians
-        };
-        self.constraints.iter().map(weighed).sum()
+        let off = [most(|state| state.x.abs().max(state.y.abs())), most(|state| state.theta.abs())];
+        let weighed = self.weights.iter().zip(off.map(|most| UNITS * f64::EPSILON * most));
+        weighed.map(|(weight, off)| weight * off * off).sum()
     }
 
     /// So much more than a cost matters to nobody: a millionth of it. Of a cost that is itself next to nothing, as

@@ -79,7 +79,8 @@ async fn until(maps: &Maps, wanted: impl Fn(Workload) -> bool) -> Workload {
             tokio::time::sleep(Duration::from_millis(1)).await;
         }
     };
-    tokio::time::timeout(Duration::from_secs(120), waiting).await.expect("it never came to that")
+    let came = tokio::time::timeout(Duration::from_secs(120), waiting).await;
+    came.unwrap_or_else(|_| panic!("it stays at {:?}", maps.patchworks()))
 }
 
 /// Whatever is made of a candidate ends with the connection that asked for it, long before it is done. What is told to
