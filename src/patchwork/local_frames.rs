@@ -105,7 +105,7 @@ impl From<Interrupted> for LocalFramesError {
 
 impl LocalFrames {
     /// Relaxes a candidate. `travels` has one for each visit, of the travel that led to it. `interrupted` is asked before
-    /// each step.
+    /// each factorisation.
     pub fn relax(
         travels: &[Option<Displacement>],
         closures: Vec<Closure>,

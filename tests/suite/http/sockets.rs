@@ -2,7 +2,7 @@
 
 use crate::http::client::{JSON, NDJSON, aces, aces_lines};
 use crate::http::patchwork::ndjson;
-use std::io::{BufReader, Read, Write};
+use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::sync::Arc;
 use std::thread::available_parallelism;
@@ -68,6 +68,13 @@ fn asking(address: &str, path: &str) -> TcpStream {
     client
 }
 
+/// The beginning of the answer that a client gets.
+fn status(mut client: TcpStream) -> [u8; 12] {
+    let mut head = [0; 12];
+    client.read_exact(&mut head).unwrap();
+    head
+}
+
 /// Waits until the patchworks in the making are as wanted.
 async fn until(maps: &Maps, wanted: impl Fn(Workload) -> bool) -> Workload {
     let waiting = async {
@@ -102,6 +109,21 @@ async fn what_is_made_for_a_client_ends_with_its_connection() {
     }
 }
 
+/// What two clients wait for, the order of maps that tie, is not lost with the one on whose account it is found.
+#[tokio::test(flavor = "multi_thread")]
+async fn who_waits_for_the_same_work_gets_it() {
+    let (address, maps) = with_office("office", r#"{"profile":"paper"}"#).await;
+    let path = "/v1/maps/office/candidates/preferred/graph";
+    let gone = asking(&address, path);
+    until(&maps, |load| load.running == 1).await;
+    let staying = asking(&address, path);
+    drop(gone);
+    assert_eq!(tokio::task::spawn_blocking(|| status(staying)).await.unwrap(), *b"HTTP/1.1 200");
+    let left = until(&maps, |load| load.running == 0).await;
+    // The one was stopped; for the other the maps were put in order, and the first of them relaxed.
+    assert_eq!(left, Workload { running: 0, ended: 3, stopped: 1 });
+}
+
 /// Many clients ask for a large grid and go away: all threads are free again, for those who stay.
 #[tokio::test(flavor = "multi_thread")]
 async fn clients_that_go_away_leave_the_threads_to_those_who_stay() {
@@ -116,9 +138,7 @@ async fn clients_that_go_away_leave_the_threads_to_those_who_stay() {
     drop(gone);
     let url = format!("{address}{}", path(0.5));
     let answer = tokio::task::spawn_blocking(move || {
-        let mut head = [0; 12];
-        BufReader::new(staying).read_exact(&mut head).unwrap();
-        (head, ureq::get(&url).call().unwrap().status().as_u16())
+        (status(staying), ureq::get(&url).call().unwrap().status().as_u16())
     });
     assert_eq!(answer.await.unwrap(), (*b"HTTP/1.1 200", 200));
     let left = until(&maps, |load| load.running == 0).await;
