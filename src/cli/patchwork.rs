@@ -10,8 +10,9 @@ use crate::geometry::Pose;
 use crate::grid::OccupancyGrid;
 use crate::grid::occupancy::MAX_SIDE;
 use crate::patchwork::assembly::{RelaxedDrive, Stop};
+use crate::patchwork::closures::Agreements;
 use crate::patchwork::format::{write_g2o, write_trajectory};
-use crate::patchwork::local_frames::{Agreements, LocalFrames, LocalFramesError, graph};
+use crate::patchwork::local_frames::{LocalFrames, LocalFramesError, graph};
 use crate::patchwork::merged::{Canvas, MergeError};
 use crate::patchwork::survey::Survey;
 
@@ -114,7 +115,8 @@ pub(super) fn strain_in_words(MapStrain { strain, way, .. }: &MapStrain) -> Stri
         RelaxationOutcome::Converged => "",
         RelaxationOutcome::OutOfIterations => ", which is not the least: out of steps",
         RelaxationOutcome::Interrupted => ", which is not the least: it was told to stop",
-        RelaxationOutcome::Stalled => ", which may not be the least: no step lowers it",
+        RelaxationOutcome::Stalled => ", which may not be the least: rounding keeps it from falling",
+        RelaxationOutcome::Overflow => ", which is beyond what a number holds",
     };
     let StrainSum { chi_square, degrees_of_freedom, outcome, .. } = strain;
     let mut text = format!(

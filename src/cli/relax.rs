@@ -4,13 +4,16 @@ use crate::cli::failure::Failure;
 use crate::cli::input::{open, plain_extension};
 use crate::export::{RelaxationOutcome, RelaxationReport, RelaxationSeconds, poses_svg};
 use crate::patchwork::format::{InformationOrder, ReadGraph, read_graph, write_g2o, write_toro, write_tum};
-use crate::patchwork::{Loss, Outcome, PoseGraph, PoseId, RelaxOptions, Relaxation, Relaxer, Start};
+use crate::patchwork::{
+    Loss, Outcome, PoseGraph, PoseId, RelaxError, RelaxOptions, Relaxation, Relaxer, Start,
+};
 use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressStyle};
 use std::fmt::Write as _;
 use std::fs;
 use std::io::{Write, stdout};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Relax a pose graph: move its poses until what was measured between them is strained least.
 #[derive(Debug, Args)]
@@ -24,6 +27,7 @@ Examples:
   topostar relax run.g2o.gz -o relaxed.g2o            the graph with relaxed poses
   topostar relax run.graph -o run.tum --svg run.svg   a trajectory, and a picture before and after
   topostar relax run.g2o --loss cauchy                when loops may have been closed wrongly
+  topostar relax run.g2o --max-seconds 60             the best that a minute gives
   topostar relax run.g2o --covariance 17              how sure the place of pose 17 is")]
 pub(super) struct Relax {
     /// A pose graph in g2o or TORO format, plain, .gz or .bz2; '-' is standard input.
@@ -48,6 +52,10 @@ pub(super) struct Relax {
     /// How many steps to take at most.
     #[arg(long, value_name = "STEPS", default_value_t = RelaxOptions::default().max_iterations)]
     max_iterations: usize,
+    /// The longest relaxation, in seconds; the best poses found by then are told and written. A factorisation under way
+    /// is finished, and so is the one that shows what is not determined.
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    max_seconds: Option<Duration>,
     /// The order of the six numbers of information on a line, where the file is not as its words say.
     #[arg(long, value_enum, value_name = "ORDER")]
     information_order: Option<OrderName>,
@@ -92,6 +100,11 @@ enum OrderName {
     Toro,
 }
 
+fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse().ok().and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    seconds.ok_or_else(|| "expected seconds, a number of 0 or more".into())
+}
+
 fn sigmas(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(width) if width.is_finite() && width > 0.0 => Ok(width),
@@ -102,28 +115,41 @@ fn sigmas(text: &str) -> Result<f64, String> {
 impl Relax {
     /// Reads, relaxes, prints and writes; the exit code tells whether it converged.
     pub(super) fn run(self) -> Result<(), Failure> {
-        let write = self.output.as_deref().map(writer).transpose()?;
+        let write = self.output.as_deref().map(Writer::of).transpose()?;
         let clock = Instant::now();
-        let ReadGraph { graph, order, notes } = read_graph(open(&self.graph)?, self.order())
+        let ReadGraph { graph, order, mut notes } = read_graph(open(&self.graph)?, self.order())
             .map_err(|error| Failure::input(&self.graph, error))?;
         self.check_covariances(&graph)?;
+        notes.extend(write.and_then(|write| write.leaves_out(&graph)));
         let reading = clock.elapsed().as_secs_f64();
-        let broken = |error: crate::patchwork::RelaxError| Failure::Broken(error.to_string());
-        let mut relaxer = Relaxer::new(&graph, &self.options()).map_err(broken)?;
-        let setup = clock.elapsed().as_secs_f64() - reading;
-        let answer = relaxer.relax().map_err(broken)?;
-        let relaxing = clock.elapsed().as_secs_f64() - reading - setup;
-        let seconds = RelaxationSeconds { reading, setup, relaxing };
+        let (mut relaxer, answer, seconds) = self.relaxed(&graph)?;
         let mut report = RelaxationReport::of(&graph, &answer);
-        (report.information_order, report.notes, report.seconds) = (order.name(), notes, seconds);
+        report.seconds = RelaxationSeconds { reading, ..seconds };
+        (report.information_order, report.notes) = (order.name(), notes);
         self.print(&report, &covariances(&mut relaxer, &self.covariance))?;
         if let (Some(file), Some(write)) = (&self.output, write) {
-            save(file, &write(&graph.with_guesses(&answer.poses)))?;
+            save(file, &write.text(&graph.with_guesses(&answer.poses)))?;
         }
         if let Some(file) = &self.svg {
             save(file, &poses_svg(&graph, &relaxer.guesses(), &answer.poses))?;
         }
         ended(&answer)
+    }
+
+    /// The graph relaxed, as far as time allows.
+    fn relaxed(&self, graph: &PoseGraph) -> Result<(Relaxer, Relaxation, RelaxationSeconds), Failure> {
+        let broken = |error: RelaxError| Failure::Broken(error.to_string());
+        let (clock, bar) = (Instant::now(), progress());
+        let mut relaxer = Relaxer::new(graph, &self.options()).map_err(broken)?;
+        let setup = clock.elapsed().as_secs_f64();
+        let interrupted = || {
+            bar.inc(1);
+            self.max_seconds.is_some_and(|most| clock.elapsed() >= most)
+        };
+        let answer = relaxer.relax_until(&interrupted).map_err(broken)?;
+        bar.finish_and_clear();
+        let relaxing = clock.elapsed().as_secs_f64() - setup;
+        Ok((relaxer, answer, RelaxationSeconds { reading: 0.0, setup, relaxing }))
     }
 
     fn order(&self) -> Option<InformationOrder> {
@@ -182,20 +208,60 @@ fn save(file: &Path, text: &str) -> Result<(), Failure> {
     fs::write(file, text).map_err(|error| Failure::writing(file, error))
 }
 
-/// How a graph is written into a file of a name.
-fn writer(file: &Path) -> Result<fn(&PoseGraph) -> String, Failure> {
-    match plain_extension(file).as_str() {
-        _ if file.extension().is_some_and(|e| e == "gz" || e == "bz2") => Err(Failure::Usage(format!(
-            "{}: graphs are written uncompressed, expected a name that ends in .g2o, .graph or .tum",
-            file.display()
-        ))),
-        "g2o" => Ok(write_g2o),
-        "graph" | "toro" => Ok(write_toro),
-        "tum" | "txt" => Ok(write_tum),
-        _ => Err(Failure::Usage(format!(
-            "{}: the ending tells the format, expected .g2o, .graph (TORO) or .tum",
-            file.display()
-        ))),
+/// What a relaxation has done so far, on a terminal only.
+fn progress() -> ProgressBar {
+    let bar = ProgressBar::new_spinner();
+    if let Ok(style) = ProgressStyle::with_template("{spinner} relaxing for {elapsed}, factorisation {pos}") {
+        bar.set_style(style);
+    }
+    if !bar.is_hidden() {
+        bar.enable_steady_tick(Duration::from_millis(200));
+    }
+    bar
+}
+
+/// How a graph is written into a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Writer {
+    G2o,
+    Toro,
+    Tum,
+}
+
+impl Writer {
+    /// By the name of the file.
+    fn of(file: &Path) -> Result<Writer, Failure> {
+        match plain_extension(file).as_str() {
+            _ if file.extension().is_some_and(|e| e == "gz" || e == "bz2") => Err(Failure::Usage(format!(
+                "{}: graphs are written uncompressed, expected a name that ends in .g2o, .graph or .tum",
+                file.display()
+            ))),
+            "g2o" => Ok(Writer::G2o),
+            "graph" | "toro" => Ok(Writer::Toro),
+            "tum" | "txt" => Ok(Writer::Tum),
+            _ => Err(Failure::Usage(format!(
+                "{}: the ending tells the format, expected .g2o, .graph (TORO) or .tum",
+                file.display()
+            ))),
+        }
+    }
+
+    fn text(self, graph: &PoseGraph) -> String {
+        match self {
+            Writer::G2o => write_g2o(graph),
+            Writer::Toro => write_toro(graph),
+            Writer::Tum => write_tum(graph),
+        }
+    }
+
+    /// What a graph says that a file of this format does not.
+    fn leaves_out(self, graph: &PoseGraph) -> Option<String> {
+        let held = graph.held().iter().filter(|held| **held).count();
+        (self == Writer::Toro && held > 0).then(|| {
+            format!(
+                "TORO has no word for a pose that is held: FIX of {held} is not written, .g2o would have it"
+            )
+        })
     }
 }
 
@@ -244,10 +310,11 @@ fn describe(text: &mut String, report: &RelaxationReport) -> std::fmt::Result {
     let ended = match report.outcome {
         RelaxationOutcome::Converged => "converged",
         RelaxationOutcome::Stalled => {
-            "did not converge: no step lowers the cost, numbers are too large or too far apart"
+            "did not converge: rounding keeps the cost from falling, numbers are too large or too far apart"
         }
         RelaxationOutcome::OutOfIterations => "did not converge: --max-iterations is reached",
-        RelaxationOutcome::Interrupted => "did not converge: it was told to stop",
+        RelaxationOutcome::Interrupted => "did not converge: --max-seconds are over",
+        RelaxationOutcome::Overflow => "did not converge: the cost is beyond what a number holds",
     };
     writeln!(text, "{ended} after {} iterations from {}", report.iterations, report.start)?;
     writeln!(text, "gauge: {} held where it was", listed(&report.gauge, "pose", "poses"))?;
@@ -294,10 +361,14 @@ fn ended(answer: &Relaxation) -> Result<(), Failure> {
         Outcome::OutOfIterations => {
             Err(Failure::Limit("--max-iterations is reached before the strain is least".into()))
         }
-        Outcome::Interrupted => Err(Failure::Limit("it was told to stop before the strain is least".into())),
+        Outcome::Interrupted => Err(Failure::Limit("--max-seconds are over before the strain is least".into())),
         Outcome::Stalled => Err(Failure::Broken(
-            "no step lowers the strain any more, though it is not least: its numbers are too far apart"
+            "rounding keeps the strain from falling, though it is not least: numbers are too large or too far apart; \
+             move the graph nearer to the origin, or leave out the edges that lie"
                 .into(),
+        )),
+        Outcome::Overflow => Err(Failure::Broken(
+            "the strain is beyond what a number holds: measurements or information are absurdly large".into(),
         )),
     }
 }

@@ -11,9 +11,10 @@ pub struct RelaxationReport {
     pub poses: usize,
     /// How many edges.
     pub edges: usize,
-    /// The sum over edges of `e' W e`, error `e` and information `W`.
+    /// The sum over edges of `e' W e`, error `e` and information `W`. In JSON null where it is beyond what a number holds:
+    /// then the outcome is `overflow`, or `interrupted`, and `converged` is false.
     pub objective: f64,
-    /// What was minimised: the objective, unless a robust loss was asked for.
+    /// What was minimised: the objective, unless a robust loss was asked for. Null as the objective is.
     pub cost: f64,
     /// Numbers measured less numbers sought: what the objective is about where covariances are honest.
     pub degrees_of_freedom: usize,
@@ -35,7 +36,7 @@ pub struct RelaxationReport {
     pub strained: Vec<StrainedEdge>,
     /// The order in which the information was read: `g2o` or `toro`.
     pub information_order: &'static str,
-    /// What is to be known of the file.
+    /// What is to be known of the file read, and what of it the file written cannot say.
     pub notes: Vec<String>,
     /// How long it took.
     pub seconds: RelaxationSeconds,

@@ -59,8 +59,10 @@ pub enum RelaxationOutcome {
     OutOfIterations,
     /// It was told to stop.
     Interrupted,
-    /// No step lowers the cost, though the slope says so: numbers are too large or too far apart.
+    /// Rounding keeps it above the least: numbers are too large or too far apart.
     Stalled,
+    /// It is beyond what a number holds.
+    Overflow,
 }
 
 impl From<Outcome> for RelaxationOutcome {
@@ -70,6 +72,7 @@ impl From<Outcome> for RelaxationOutcome {
             Outcome::OutOfIterations => RelaxationOutcome::OutOfIterations,
             Outcome::Interrupted => RelaxationOutcome::Interrupted,
             Outcome::Stalled => RelaxationOutcome::Stalled,
+            Outcome::Overflow => RelaxationOutcome::Overflow,
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Maps that are equally simple, and what strains them.
 
 use crate::abduction;
-use crate::patchwork::local_frames::{Agreements, LocalFramesError};
+use crate::patchwork::closures::Agreements;
+use crate::patchwork::local_frames::LocalFramesError;
 use crate::patchwork::survey::Survey;
 use crate::patchwork::ties::{self, Doubt};
 use serde::{Deserialize, Serialize};
@@ -44,24 +45,22 @@ pub struct TieStrain {
 }
 
 impl Ties {
-    /// Puts the simplest maps of a report in the order of their strain, if there are several and all can be compared. `None`
-    /// where there is one, or nothing was measured.
+    /// The wire form of ties in order.
+    pub fn of(ties: &ties::Ties) -> Ties {
+        Ties {
+            ordered_by: if ties.by_strain { TieOrder::Strain } else { TieOrder::Assignment },
+            strains: ties.doubts.iter().map(|doubt| doubt.as_ref().map(TieStrain::of)).collect(),
+        }
+    }
+
+    /// [`ties::Ties::rank`] in its wire form.
     pub fn rank(
         found: &mut abduction::Report,
         survey: &Survey,
         agreements: &mut Agreements<'_>,
         interrupted: &dyn Fn() -> bool,
     ) -> Result<Option<Ties>, LocalFramesError> {
-        if found.minimal.len() < 2 || !survey.is_measured() {
-            return Ok(None);
-        }
-        let tied: Vec<_> = found.minimal.iter().map(|candidate| candidate.visits.as_slice()).collect();
-        let ties = ties::Ties::of(survey, agreements, &tied, interrupted)?;
-        found.minimal = ties.order.iter().map(|&at| found.minimal[at].clone()).collect();
-        Ok(Some(Ties {
-            ordered_by: if ties.by_strain { TieOrder::Strain } else { TieOrder::Assignment },
-            strains: ties.order.iter().map(|&at| ties.doubts[at].as_ref().map(TieStrain::of)).collect(),
-        }))
+        Ok(ties::Ties::rank(found, survey, agreements, interrupted)?.as_ref().map(Ties::of))
     }
 }
 

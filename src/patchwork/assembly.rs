@@ -1,8 +1,8 @@
 //! From a map and a drive to a pose graph: what the map says is one place is one place.
 
 use crate::geometry::Pose;
-use crate::patchwork::agreement::Agreement;
 use crate::patchwork::alignment::{moved, settle};
+use crate::patchwork::closures::Closure;
 use crate::patchwork::drive::{Drive, Frame, adjoint};
 use crate::patchwork::submap::Submap;
 use crate::patchwork::{
@@ -17,15 +17,6 @@ pub struct Stop {
     pub scan: usize,
     /// The frame of the visit, its origin at the point of the place, in the local frame of scan matching.
     pub local_from_visit: Pose,
-}
-
-/// Two visits to one place, and how their frames lie.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Closure {
-    /// Number of the earlier visit, and of the later one.
-    pub visits: [usize; 2],
-    /// What they show of each other.
-    pub agreement: Agreement,
 }
 
 /// A drive relaxed: where its frames lie.
@@ -198,7 +189,7 @@ fn symmetric(matrix: Matrix3<f64>) -> Matrix3<f64> {
 mod tests {
     use super::*;
     use crate::geometry::{Point, Vector};
-    use crate::patchwork::agreement::Walls;
+    use crate::patchwork::agreement::{Agreement, Walls};
     use crate::patchwork::alignment::Alignment;
     use crate::patchwork::drive::DriveRecorder;
     use crate::sensor::log::LaserNumber;

@@ -1,8 +1,9 @@
 //! Which of several candidates that are equally simple is the least doubtful by what was measured and seen.
 
-use crate::abduction::Assignment;
+use crate::abduction::{Candidate, Report};
 use crate::patchwork::agreement::Walls;
-use crate::patchwork::local_frames::{Agreements, EdgeStrain, LocalFrames, LocalFramesError};
+use crate::patchwork::closures::Agreements;
+use crate::patchwork::local_frames::{EdgeStrain, LocalFrames, LocalFramesError};
 use crate::patchwork::survey::Survey;
 use crate::patchwork::{Outcome, Strain};
 
@@ -18,15 +19,15 @@ const ROUNDING: f64 = 1e-6;
 /// ten, where those of two places lay on each other in one case of two hundred (`real_data`, `walls_tell_places_apart`).
 const SELDOM: f64 = 0.1;
 
-/// Candidates that are equally simple, and what speaks against each.
+/// Maps that are equally simple, and what speaks against each. It ranks nothing that the axioms and simplicity have not left
+/// equal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ties {
-    /// What speaks against each, in the order in which they were given; `None` for those that were not relaxed, as there are
+    /// What speaks against each, in the order in which they are put; `None` for those that were not relaxed, as there are
     /// too many, or where it did not come to rest.
     pub doubts: Vec<Option<Doubt>>,
-    /// All of them, by their place in that order: the least doubtful first if all can be compared.
-    pub order: Vec<usize>,
-    /// Whether they can: all were relaxed, and something was compared in each.
+    /// Whether the least doubtful come first: all were relaxed, and something was compared in each. Else they stay in the
+    /// order of their assignments.
     pub by_strain: bool,
 }
 
@@ -60,23 +61,26 @@ impl Doubt {
 }
 
 impl Ties {
-    /// Relaxes the first of some candidates, as many as is affordable; `agreements` are those of the survey. Those that are
-    /// equally doubtful but for rounding stay in the order given.
-    pub fn of(
+    /// Puts the simplest maps of a report in order, if there are several and travels were measured; `None` where not. Relaxes
+    /// the first of them, as many as is affordable; `agreements` are those of the survey. Those that are equally doubtful
+    /// but for rounding stay as they are.
+    pub fn rank(
+        found: &mut Report,
         survey: &Survey,
         agreements: &mut Agreements<'_>,
-        tied: &[&[Assignment]],
         interrupted: &dyn Fn() -> bool,
-    ) -> Result<Ties, LocalFramesError> {
-        let affordable = MOST_TIES.min(MOST_VISITS / survey.len().max(1));
-        let mut doubts = vec![None; tied.len()];
-        for (doubt, candidate) in doubts.iter_mut().zip(tied).take(affordable) {
-            *doubt = Doubt::of(&survey.relax(candidate, agreements, interrupted)?);
+    ) -> Result<Option<Ties>, LocalFramesError> {
+        if found.minimal.len() < 2 || !survey.is_measured() {
+            return Ok(None);
         }
-        Ok(Ties::by(doubts))
+        let doubts = doubts(&found.minimal, survey, agreements, interrupted)?;
+        let (ties, order) = Ties::by(&doubts);
+        found.minimal = order.iter().map(|&at| found.minimal[at].clone()).collect();
+        Ok(Some(ties))
     }
 
-    fn by(doubts: Vec<Option<Doubt>>) -> Ties {
+    /// Ties of these doubts put in order, and the place of each before.
+    fn by(doubts: &[Option<Doubt>]) -> (Ties, Vec<usize>) {
         let by_strain = doubts.iter().all(|doubt| doubt.as_ref().is_some_and(Doubt::is_comparable));
         let mut order: Vec<usize> = (0..doubts.len()).collect();
         if by_strain {
@@ -85,8 +89,23 @@ impl Ties {
             };
             order.sort_by(|&a, &b| probability(b).total_cmp(&probability(a)));
         }
-        Ties { doubts, order, by_strain }
+        (Ties { doubts: order.iter().map(|&at| doubts[at]).collect(), by_strain }, order)
     }
+}
+
+/// What speaks against each of some candidates, as far as is affordable.
+fn doubts(
+    tied: &[Candidate],
+    survey: &Survey,
+    agreements: &mut Agreements<'_>,
+    interrupted: &dyn Fn() -> bool,
+) -> Result<Vec<Option<Doubt>>, LocalFramesError> {
+    let affordable = MOST_TIES.min(MOST_VISITS / survey.len().max(1));
+    let mut doubts = vec![None; tied.len()];
+    for (doubt, candidate) in doubts.iter_mut().zip(tied).take(affordable) {
+        *doubt = Doubt::of(&survey.relax(&candidate.visits, agreements, interrupted)?);
+    }
+    Ok(doubts)
 }
 
 #[cfg(test)]
@@ -99,30 +118,31 @@ mod tests {
 
     #[test]
     fn the_least_strained_comes_first_by_probability() {
-        let ties =
-            Ties::by(vec![doubt(40.0, 6, 0), doubt(150.0, 100, 0), doubt(4.5, 3, 0), doubt(40.0, 6, 0)]);
+        let doubts = [doubt(40.0, 6, 0), doubt(150.0, 100, 0), doubt(4.5, 3, 0), doubt(40.0, 6, 0)];
+        let (ties, order) = Ties::by(&doubts);
         assert!(ties.by_strain);
-        assert_eq!(ties.order, [2, 1, 0, 3]);
+        assert_eq!(order, [2, 1, 0, 3]);
+        assert_eq!(ties.doubts, [2, 1, 0, 3].map(|at: usize| doubts[at]));
     }
 
     /// Other walls weigh as much as a strain that chance gives once in ten times.
     #[test]
     fn walls_that_differ_speak_against_a_map_as_strain_does() {
-        let ties = Ties::by(vec![doubt(6.0, 6, 1), doubt(8.0, 6, 0), doubt(40.0, 6, 0), doubt(6.0, 6, 0)]);
-        assert_eq!(ties.order, [3, 1, 0, 2]);
+        let doubts = [doubt(6.0, 6, 1), doubt(8.0, 6, 0), doubt(40.0, 6, 0), doubt(6.0, 6, 0)];
+        assert_eq!(Ties::by(&doubts).1, [3, 1, 0, 2]);
     }
 
     #[test]
     fn rounding_decides_nothing() {
-        let ties = Ties::by(vec![doubt(40.0 + 1e-9, 6, 0), doubt(40.0, 6, 0)]);
-        assert_eq!((ties.order, ties.by_strain), (vec![0, 1], true));
+        let (ties, order) = Ties::by(&[doubt(40.0 + 1e-9, 6, 0), doubt(40.0, 6, 0)]);
+        assert_eq!((order, ties.by_strain), (vec![0, 1], true));
     }
 
     #[test]
     fn what_cannot_be_compared_stays_in_its_order() {
         for other in [None, doubt(0.0, 0, 0), doubt(f64::NAN, 6, 0)] {
-            let ties = Ties::by(vec![doubt(40.0, 6, 0), doubt(1.0, 6, 0), other]);
-            assert_eq!((ties.order, ties.by_strain), (vec![0, 1, 2], false));
+            let (ties, order) = Ties::by(&[doubt(40.0, 6, 0), doubt(1.0, 6, 0), other]);
+            assert_eq!((order, ties.by_strain), (vec![0, 1, 2], false));
         }
     }
 }

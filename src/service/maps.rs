@@ -1,8 +1,8 @@
 //! All maps of the service: one session each, in order for one map and side by side for several.
 
 use crate::service::{
-    Batch, Created, Intake, Interrupted, Limits, MapConfig, MapName, Session, SessionError, Store,
-    StoreError, Taken, View, Workers, view::Ranked,
+    Batch, Created, Intake, Limits, MapConfig, MapName, Panicked, Session, SessionError, Store, StoreError,
+    Taken, View, Workers, Workload, view::Ranked,
 };
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -39,9 +39,9 @@ pub enum MapsError {
     /// What was kept does not replay.
     #[error("the events kept do not replay: {0}")]
     Replay(#[from] SessionError),
-    /// The work was cut short.
+    /// The work ended in a panic.
     #[error(transparent)]
-    Interrupted(#[from] Interrupted),
+    Panicked(#[from] Panicked),
 }
 
 struct LiveMap {
@@ -99,6 +99,11 @@ impl Maps {
         work: impl FnOnce(&dyn Fn() -> bool) -> T + Send + 'static,
     ) -> Result<T, MapsError> {
         Ok(self.patchworks.run_while_wanted(self.limits.patchwork_time, work).await?)
+    }
+
+    /// The relaxations and grids in the making, and those that have ended.
+    pub fn patchworks(&self) -> Workload {
+        self.patchworks.workload()
     }
 
     /// What a view found, with the simplest maps in order. One of those who wait relaxes them, and all others wait without a

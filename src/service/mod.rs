@@ -36,4 +36,4 @@ pub use session::{Accepted, Session, SessionError};
 pub use store::{Created, MemoryStore, Store, StoreError, StoredMap};
 pub use view::View;
 pub use view_session::{ViewSession, ViewSessionError};
-pub use workers::{Interrupted, Workers};
+pub use workers::{Panicked, Workers, Workload};

@@ -275,7 +275,7 @@ impl From<MapsError> for Problem {
             MapsError::Unknown(_) | MapsError::Store(StoreError::UnknownMap(_)) => ProblemKind::UnknownMap,
             MapsError::OtherConfig(_) => ProblemKind::ConfigConflict,
             MapsError::Store(StoreError::TooManyMaps(_)) => ProblemKind::TooManyMaps,
-            MapsError::Store(StoreError::Failed(_)) | MapsError::Replay(_) | MapsError::Interrupted(_) => {
+            MapsError::Store(StoreError::Failed(_)) | MapsError::Replay(_) | MapsError::Panicked(_) => {
                 ProblemKind::Internal
             }
         };

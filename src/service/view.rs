@@ -2,8 +2,10 @@
 
 use crate::abduction::{Abduction, Assignment, Report};
 use crate::export::{TieOrder, Ties};
-use crate::patchwork::local_frames::{Agreements, Known, LocalFrames, LocalFramesError};
+use crate::patchwork::closures::{Agreements, Known};
+use crate::patchwork::local_frames::{LocalFrames, LocalFramesError};
 use crate::patchwork::survey::Survey;
+use crate::patchwork::ties;
 use crate::service::tags::Tags;
 use crate::service::{MapConfig, Session};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -116,10 +118,11 @@ impl View {
             return Some(self.unranked());
         }
         let mut report = Report::clone(&self.report);
-        let rank =
-            |agreements: &mut Agreements<'_>| Ties::rank(&mut report, &self.survey, agreements, interrupted);
+        let rank = |agreements: &mut Agreements<'_>| {
+            ties::Ties::rank(&mut report, &self.survey, agreements, interrupted)
+        };
         let ties = match self.agreeing(rank) {
-            Ok(ties) => ties,
+            Ok(ties) => ties.as_ref().map(Ties::of),
             Err(LocalFramesError::Interrupted) => return None,
             // Measurements that cannot be relaxed do not tell the maps apart.
             Err(LocalFramesError::Graph(_) | LocalFramesError::Relax(_)) => None,

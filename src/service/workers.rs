@@ -1,6 +1,8 @@
 //! Threads for work that computes: never more at once than there are processors.
 
+use std::cell::Cell;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread::available_parallelism;
 use std::time::{Duration, Instant};
 use thiserror::Error;
@@ -9,34 +11,67 @@ use tokio::sync::{Semaphore, oneshot};
 /// A bound on the computations that run at once. Others wait for their turn, first come, first served.
 #[derive(Clone, Debug)]
 pub struct Workers {
+    threads: usize,
     free: Arc<Semaphore>,
+    count: Arc<Ended>,
 }
 
-/// The work ended in a panic.
+/// The computations of some workers, counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Workload {
+    /// How many run now.
+    pub running: usize,
+    /// How many have come to an end, panics left out.
+    pub ended: u64,
+    /// How many of these were told to stop before.
+    pub stopped: u64,
+}
+
+#[derive(Debug, Default)]
+struct Ended {
+    all: AtomicU64,
+    stopped: AtomicU64,
+}
+
+/// The work ended in a panic: there is no result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("the work ended before its result")]
-pub struct Interrupted;
+pub struct Panicked;
 
 impl Default for Workers {
     fn default() -> Self {
-        let processors = available_parallelism().map_or(1, |n| n.get());
-        Workers { free: Arc::new(Semaphore::new(processors)) }
+        Workers::of(available_parallelism().map_or(1, |n| n.get()))
     }
 }
 
 impl Workers {
+    fn of(threads: usize) -> Workers {
+        Workers { threads, free: Arc::new(Semaphore::new(threads)), count: Arc::default() }
+    }
+
+    /// What there is to do. What has ended is counted before its thread is free.
+    pub fn workload(&self) -> Workload {
+        let running = self.threads - self.free.available_permits().min(self.threads);
+        let [ended, stopped] =
+            [&self.count.all, &self.count.stopped].map(|count| count.load(Ordering::Acquire));
+        Workload { running, ended, stopped }
+    }
+
     /// Runs work away from the async workers. Once begun it runs to its end, also if nobody waits any more.
     pub async fn run<T: Send + 'static>(
         &self,
         work: impl FnOnce() -> T + Send + 'static,
-    ) -> Result<T, Interrupted> {
-        let permit = Arc::clone(&self.free).acquire_owned().await.map_err(|_| Interrupted)?;
+    ) -> Result<T, Panicked> {
+        // Nobody closes the semaphore, so that there is always a turn.
+        let permit = Arc::clone(&self.free).acquire_owned().await.map_err(|_| Panicked)?;
+        let count = Arc::clone(&self.count);
         let run = move || {
             let result = work();
+            count.all.fetch_add(1, Ordering::Release);
             drop(permit);
             result
         };
-        tokio::task::spawn_blocking(run).await.map_err(|_| Interrupted)
+        tokio::task::spawn_blocking(run).await.map_err(|_| Panicked)
     }
 
     /// Runs work that may be told to stop, by what it is given to ask: when nobody waits for it any more, as the client has
@@ -45,12 +80,19 @@ impl Workers {
         &self,
         longest: Duration,
         work: impl FnOnce(&dyn Fn() -> bool) -> T + Send + 'static,
-    ) -> Result<T, Interrupted> {
+    ) -> Result<T, Panicked> {
         // Nothing is sent: the one end notices when the other is dropped, with the future that waits here.
         let (wanted, _waiting) = oneshot::channel::<()>();
+        let count = Arc::clone(&self.count);
         let work = move || {
-            let begun = Instant::now();
-            work(&|| wanted.is_closed() || begun.elapsed() >= longest)
+            let (begun, stopped) = (Instant::now(), Cell::new(false));
+            let result = work(&|| {
+                let stop = wanted.is_closed() || begun.elapsed() >= longest;
+                stopped.set(stopped.get() || stop);
+                stop
+            });
+            count.stopped.fetch_add(u64::from(stopped.get()), Ordering::Release);
+            result
         };
         self.run(work).await
     }
@@ -64,7 +106,7 @@ mod tests {
     const SOON: Duration = Duration::from_secs(60);
 
     fn one() -> Workers {
-        Workers { free: Arc::new(Semaphore::new(1)) }
+        Workers::of(1)
     }
 
     /// Work that runs until it is told to stop, and says that it has begun and ended.
@@ -94,6 +136,7 @@ mod tests {
         assert_eq!(heard.recv_timeout(SOON), Ok("ended"));
         assert_eq!(workers.run(|| 7).await, Ok(7));
         assert!(heard.try_recv().is_err());
+        assert_eq!(workers.workload(), Workload { running: 0, ended: 2, stopped: 1 });
     }
 
     #[tokio::test(flavor = "multi_thread")]

@@ -27,7 +27,7 @@ use std::path::{Path, PathBuf};
 use topostar::geometry::Pose;
 use topostar::patchwork::format::read_graph;
 use topostar::patchwork::{
-    Edge, Patchwork, PoseGraph, PoseId, RelaxOptions, Relaxation, Relaxer, Start, relax,
+    Edge, IncrementalGraph, PoseGraph, PoseId, RelaxOptions, Relaxation, Relaxer, Start, relax,
 };
 
 /// The recorded graphs, with the best objective known.
@@ -232,17 +232,17 @@ fn growing() {
             let last = [edge.from, edge.to].map(|id| graph.number(id).unwrap()).into_iter().max().unwrap();
             edges_of[last].push(*edge);
         }
-        let mut patchwork = Patchwork::new(RelaxOptions::default());
+        let mut growing = IncrementalGraph::new(RelaxOptions::default());
         let mut times = vec![];
         for (id, edges) in graph.ids().iter().zip(&edges_of) {
             let begun = processor();
-            patchwork.add_pose(*id, None).unwrap();
-            edges.iter().for_each(|edge| patchwork.add_edge(*edge).unwrap());
-            patchwork.relax().unwrap();
+            growing.add_pose(*id, None).unwrap();
+            edges.iter().for_each(|edge| growing.add_edge(*edge).unwrap());
+            growing.relax().unwrap();
             times.push(processor() - begun);
         }
-        let poses: Vec<Pose> = patchwork.poses().iter().map(|pose| pose.unwrap()).collect();
-        let objective: f64 = patchwork.graph().strains(&poses).unwrap().iter().map(|s| s.chi_square).sum();
+        let poses: Vec<Pose> = growing.poses().iter().map(|pose| pose.unwrap()).collect();
+        let objective: f64 = growing.graph().strains(&poses).unwrap().iter().map(|s| s.chi_square).sum();
         times.sort_by(f64::total_cmp);
         let at = |share: f64| times[((times.len() - 1) as f64 * share) as usize] * 1e3;
         println!(

@@ -7,7 +7,7 @@ use std::path::Path;
 use topostar::geometry::Pose;
 use topostar::patchwork::format::{InformationOrder, ReadGraph, read_graph, write_g2o};
 use topostar::patchwork::{
-    Edge, Outcome, Patchwork, PoseGraph, RelaxOptions, Relaxation, Relaxer, Start, relax,
+    Edge, IncrementalGraph, Outcome, PoseGraph, RelaxOptions, Relaxation, Relaxer, Start, relax,
 };
 
 /// The best objectives known; that of FR079 is our own, from every start.
@@ -115,15 +115,15 @@ fn information_in_the_order_of_toro_is_read_as_such() {
 fn a_graph_fed_pose_by_pose_ends_near_the_best() {
     for (file, best) in [BEST[1], BEST[2]] {
         let graph = read(file).graph;
-        let mut patchwork = Patchwork::new(RelaxOptions::default());
+        let mut growing = IncrementalGraph::new(RelaxOptions::default());
         for (number, id) in graph.ids().iter().enumerate() {
-            patchwork.add_pose(*id, None).unwrap();
+            growing.add_pose(*id, None).unwrap();
             let last = |edge: &&Edge| graph.number(edge.from.max(edge.to)) == Some(number);
-            graph.edges().iter().filter(last).for_each(|edge| patchwork.add_edge(*edge).unwrap());
-            patchwork.relax().unwrap();
+            graph.edges().iter().filter(last).for_each(|edge| growing.add_edge(*edge).unwrap());
+            growing.relax().unwrap();
         }
-        let poses: Vec<Pose> = patchwork.poses().iter().map(|pose| pose.unwrap()).collect();
-        let objective: f64 = patchwork.graph().strains(&poses).unwrap().iter().map(|s| s.chi_square).sum();
+        let poses: Vec<Pose> = growing.poses().iter().map(|pose| pose.unwrap()).collect();
+        let objective: f64 = growing.graph().strains(&poses).unwrap().iter().map(|s| s.chi_square).sum();
         assert!((objective / best - 1.0).abs() < 1e-5, "{file}: {objective}");
     }
 }

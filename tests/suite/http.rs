@@ -12,4 +12,5 @@ mod reasons;
 mod settled;
 mod sockets;
 mod storage;
+mod ties;
 mod word;

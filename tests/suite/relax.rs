@@ -165,6 +165,60 @@ fn faults_are_told_with_line_and_mend() {
     assert_eq!(topostar(&["relax", "/nowhere.g2o"]).status.code(), Some(3));
 }
 
+/// Out of time, the best poses so far are told and written.
+#[test]
+fn time_ends_a_relaxation_and_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out.g2o").to_str().unwrap().to_owned();
+    let output = fed(&["relax", "-", "--json", "--max-seconds", "0", "-o", &out], square().as_bytes());
+    assert_eq!(output.status.code(), Some(5));
+    assert!(text(&output.stderr).contains("--max-seconds are over"), "{}", text(&output.stderr));
+    let report = json(&output);
+    assert_eq!((&report["converged"], &report["outcome"]), (&false.into(), &"interrupted".into()));
+    assert_eq!(report["iterations"], 0);
+    let again = json(&topostar(&["relax", &out, "--start", "guesses", "--max-iterations", "0", "--json"]));
+    let [told, written] = [&report, &again].map(|report| report["objective"].as_f64().unwrap());
+    assert!((told / written - 1.0).abs() < 1e-9, "{told} {written}");
+    let long = fed(&["relax", "-", "--json", "--max-seconds", "1e9"], square().as_bytes());
+    assert_eq!(json(&long)["outcome"], "converged");
+    for wrong in ["-1", "nan", "1e30", "soon"] {
+        let output = fed(&["relax", "-", &format!("--max-seconds={wrong}")], square().as_bytes());
+        assert_eq!(output.status.code(), Some(2), "{wrong}");
+        assert!(text(&output.stderr).contains("expected seconds"), "{wrong}: {}", text(&output.stderr));
+    }
+}
+
+/// A strain that no number holds, and one that rounding keeps from falling, are no success.
+#[test]
+fn numbers_too_large_are_told() {
+    let ends = "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 0 0 0\nFIX 0 1\nEDGE_SE2 0 1 1e200 0 0 1 0 0 1 0 1\n";
+    let output = fed(&["relax", "-", "--json"], ends.as_bytes());
+    assert_eq!(output.status.code(), Some(1));
+    let report = json(&output);
+    assert_eq!((&report["converged"], &report["outcome"]), (&false.into(), &"overflow".into()));
+    assert!(report["objective"].is_null() && report["cost"].is_null(), "{report}");
+    let words = fed(&["relax", "-"], ends.as_bytes());
+    assert!(text(&words.stdout).contains("beyond what a number holds"), "{}", text(&words.stdout));
+    let far = square().replace(" 400 0 0 400 0 2500", " 4e8 0 0 4e8 0 25e8") + "VERTEX_SE2 0 1e12 0 0\n";
+    let output = fed(&["relax", "-", "--json"], far.as_bytes());
+    assert_eq!((output.status.code(), &json(&output)["outcome"]), (Some(1), &"stalled".into()));
+    assert!(text(&output.stderr).contains("nearer to the origin"), "{}", text(&output.stderr));
+}
+
+/// TORO has no word for a pose that is held: that it is left out is said, and only there.
+#[test]
+fn what_a_format_cannot_say_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let graph = square() + "VERTEX_SE2 7 1 2 0.5\nFIX 7\n";
+    for (name, left_out) in [("out.graph", true), ("out.g2o", false), ("out.tum", false)] {
+        let out = folder.path().join(name);
+        let output = fed(&["relax", "-", "--json", "-o", out.to_str().unwrap()], graph.as_bytes());
+        let notes = json(&output)["notes"].to_string();
+        assert_eq!(notes.contains("FIX of 1 is not written"), left_out, "{name}: {notes}");
+        assert_eq!(fs::read_to_string(&out).unwrap().contains("FIX 7"), name == "out.g2o", "{name}");
+    }
+}
+
 /// What `map -o` writes of a trace of grids: the patchwork as a picture, as odometry alone has it, and as a graph that this
 /// solver finds nothing to do in.
 #[test]

@@ -4,9 +4,14 @@
 //! known of the cost along it (Dennis and Schnabel 1983, section 6.3): that takes the errors alone, not another
 //! factorisation. Where no length pays, or the equations are singular, the diagonal is raised (Levenberg 1944,
 //! Marquardt 1963). A step that would raise the cost is never taken.
+//!
+//! Damping makes every step short, so that a damped step which gains little says nothing of being near the least. What
+//! is left to gain is judged by the step under the least damping with which the equations have a solution: none, where
+//! all is determined. There half its gain is the square of Newton's decrement (Boyd and Vandenberghe 2004, section 9.5.1).
 
 use crate::patchwork::pose_graph::problem::{Problem, State};
-use crate::patchwork::pose_graph::relax::{Outcome, RelaxOptions};
+use crate::patchwork::pose_graph::relax::RelaxOptions;
+use crate::patchwork::pose_graph::relaxation::Outcome;
 use crate::patchwork::pose_graph::structure::{NOWHERE, Structure};
 use crate::patchwork::pose_graph::system::System;
 
@@ -18,7 +23,7 @@ pub(super) struct Descent<'a> {
     pub(super) nodes: &'a [u32],
     pub(super) system: &'a mut System<3>,
     pub(super) options: &'a RelaxOptions,
-    /// Asked before each step.
+    /// Asked before each factorisation.
     pub(super) interrupted: &'a dyn Fn() -> bool,
 }
 
@@ -46,8 +51,6 @@ const LENGTHS: usize = 8;
 /// A step shorter than this share of what was asked for calls for damping; one longer than the second for less.
 const SHORT: f64 = 0.2;
 const LONG: f64 = 0.5;
-/// A step of fewer metres or radians, against the extent of the map, changes nothing but rounding.
-const NO_STEP: f64 = 1e-12;
 
 /// What the normal equations ask for.
 struct Step {
@@ -76,10 +79,6 @@ impl Descent<'_> {
         }
         let mut damping = Damping(0.0);
         while at.costs.len() <= self.options.max_iterations {
-            if (self.interrupted)() {
-                at.outcome = Outcome::Interrupted;
-                break;
-            }
             if let Some(outcome) = self.advance(&mut at, &mut damping) {
                 at.outcome = outcome;
                 break;
@@ -93,10 +92,21 @@ impl Descent<'_> {
         let slope = self.problem.linearise(&at.states, self.nodes, &self.structure.places, self.system);
         let cost = at.costs.last().copied().unwrap_or_default();
         let diagonals = self.system.diagonals();
+        let enough = Enough::of(self.problem, &at.states, cost, self.options.tolerance);
+        // The gain of the least damped step, once all less damping has been tried.
+        let (mut from_none, mut promised) = (damping.is_none(), None);
         loop {
-            at.damped = damping.0 > 0.0;
+            if (self.interrupted)() {
+                return Some(Outcome::Interrupted);
+            }
+            at.damped = !damping.is_none();
             if let Some(step) = self.step(&slope, &diagonals, damping.0) {
-                let last = step.gain <= self.options.tolerance * cost || is_rounding(&step, &at.states);
+                let last = enough.is_little(step.gain);
+                if last && !from_none {
+                    (*damping, from_none, promised) = (Damping(0.0), true, None);
+                    continue;
+                }
+                let promised = *promised.get_or_insert(step.gain);
                 let taken = self.search(&at.states, cost, &step, last);
                 let found = taken.is_some();
                 if let Some(taken) = taken {
@@ -105,13 +115,11 @@ impl Descent<'_> {
                     at.costs.push(taken.cost);
                 }
                 if found || last {
-                    return last.then_some(Outcome::Converged);
+                    return last.then(|| enough.outcome(promised));
                 }
             }
             if !damping.raise() {
-                // Where nothing was measured nothing pulls, and there is nothing to solve.
-                let rests = slope.iter().all(|slope| *slope == 0.0);
-                return Some(if rests { Outcome::Converged } else { Outcome::Stalled });
+                return Some(if is_at_rest(&slope) { Outcome::Converged } else { Outcome::Stalled });
             }
         }
     }
@@ -164,16 +172,49 @@ impl Descent<'_> {
     }
 }
 
-/// Whether a step changes nothing but rounding.
-fn is_rounding(step: &Step, states: &[State]) -> bool {
-    let extent = states.iter().map(|state| state.x.abs().max(state.y.abs())).fold(1.0, f64::max);
-    step.by.iter().all(|by| by.abs() <= NO_STEP * extent)
+/// Whether nothing pulls: nothing was measured, and there is nothing to solve.
+fn is_at_rest(slope: &[f64]) -> bool {
+    slope.iter().all(|slope| *slope == 0.0)
+}
+
+/// What is too little to be worth a step.
+struct Enough {
+    /// So much of the cost is within the tolerance.
+    share: f64,
+    /// So much of it is rounding.
+    rounding: f64,
+    /// So much of it matters to nobody.
+    negligible: f64,
+}
+
+impl Enough {
+    fn of(problem: &Problem, states: &[State], cost: f64, tolerance: f64) -> Enough {
+        // A cost beyond all numbers is a share of nothing.
+        let share = if cost.is_finite() { tolerance * cost } else { 0.0 };
+        Enough { share, rounding: problem.rounding(states), negligible: problem.negligible(cost) }
+    }
+
+    fn is_little(&self, gain: f64) -> bool {
+        gain <= self.share.max(self.rounding)
+    }
+
+    /// How a descent has ended where all that is left to gain is so much.
+    fn outcome(&self, promised: f64) -> Outcome {
+        match promised <= self.share || (promised <= self.rounding && self.rounding <= self.negligible) {
+            true => Outcome::Converged,
+            false => Outcome::Stalled,
+        }
+    }
 }
 
 /// What is added to the diagonal, as a share of it.
 struct Damping(f64);
 
 impl Damping {
+    fn is_none(&self) -> bool {
+        self.0 <= 0.0
+    }
+
     /// More of it; false where there is no sense in more.
     fn raise(&mut self) -> bool {
         self.0 = (self.0 * DAMPING_FACTOR).max(LEAST_DAMPING);

@@ -4,7 +4,7 @@
 //! A [`PoseGraph`] holds frames as poses, and what was measured between them as edges with information. [`relax()`] gives
 //! the poses of least strain, which is the most likely layout where errors are normal (Lu and Milios 1997). It never
 //! gives up with an error: the [`Relaxation`] says how it ended, which parts hang together, which poses were held and
-//! which nothing determines. [`Patchwork`] does the same for a graph that grows.
+//! which nothing determines. [`IncrementalGraph`] does the same for a graph that grows.
 //!
 //! The way of a relaxation: `problem` makes arrays of the edges; `structure` finds an order of elimination on poses, not
 //! on numbers; `system` holds the normal equations and has faer factorise them; `start` finds headings and positions
@@ -17,11 +17,12 @@ mod blocks;
 mod descent;
 pub mod format;
 mod graph;
-mod growing;
+mod incremental;
 mod loss;
 mod parts;
 mod problem;
 mod relax;
+mod relaxation;
 mod singular;
 mod start;
 mod strain;
@@ -29,9 +30,10 @@ mod structure;
 mod system;
 
 pub use graph::{Edge, GraphError, MAX_POSES, PoseGraph, PoseId};
-pub use growing::{Patchwork, Update};
+pub use incremental::{IncrementalGraph, Update};
 pub use loss::Loss;
-pub use relax::{Outcome, Part, RelaxOptions, Relaxation, Relaxer, Start, Trial, relax, relax_until};
+pub use relax::{RelaxOptions, Relaxer, Start, relax, relax_until};
+pub use relaxation::{Outcome, Part, Relaxation, Trial};
 pub use strain::Strain;
 
 /// Why a graph cannot be relaxed at all.

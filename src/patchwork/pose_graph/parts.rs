@@ -1,6 +1,6 @@
 //! Which poses hang together, and what each part is held by.
 
-use crate::geometry::Pose;
+use crate::geometry::{Point, Pose};
 use crate::patchwork::pose_graph::graph::PoseGraph;
 use std::collections::VecDeque;
 
@@ -49,6 +49,16 @@ pub(super) fn anchors(graph: &PoseGraph, parts: &[u32]) -> Vec<bool> {
         anchored[pose] |= !has_anchor[*part as usize];
     }
     anchored
+}
+
+/// The origin to see each pose from: where the first pose of its part is that does not move.
+pub(super) fn origins(poses: &[Pose], parts: &[u32], anchored: &[bool]) -> Vec<Point> {
+    let mut origins = vec![None; poses.len()];
+    for ((pose, part), _) in poses.iter().zip(parts).zip(anchored).filter(|(_, anchored)| **anchored) {
+        origins[*part as usize].get_or_insert(pose.position());
+    }
+    // Each part has a pose that does not move.
+    parts.iter().map(|part| origins[*part as usize].unwrap_or_else(Point::origin)).collect()
 }
 
 /// A value for every pose: the guess, else what measurements from the nearest known pose give.

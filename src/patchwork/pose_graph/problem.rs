@@ -4,11 +4,12 @@
 //! `i^-1 j` less that of `z`, seen from `z`; so the turn of `z` goes into the information once, and what is left is
 //! linear in the positions of both ends for given headings.
 //!
-//! Unknowns are x, y and heading of each pose in the gauge's frame. Moving `j` by `(u, v, w)` changes the error by
+//! Unknowns are x, y and heading of each pose, with the axes of the gauge's frame and their origin at the pose that is
+//! held: far from the origin of a file numbers have few digits left for what is near each other. Moving `j` by `(u, v, w)` changes the error by
 //! `P (u, v, w)`, with `P` the turn into the frame of `i`; moving `i` by it changes the error by `-P A (u, v, w)`, where
 //! `A` carries the far end along as `i` turns. So one block `H = P' W P` gives all: `A' H A`, `-A' H` and `H`.
 
-use crate::geometry::Pose;
+use crate::geometry::{Point, Pose};
 use crate::patchwork::pose_graph::graph::{Edge, PoseGraph};
 use crate::patchwork::pose_graph::loss::Loss;
 use crate::patchwork::pose_graph::structure::NOWHERE;
@@ -31,6 +32,8 @@ pub(super) struct Constraint {
 pub(super) struct Problem {
     pub(super) constraints: Vec<Constraint>,
     pub(super) loss: Loss,
+    /// The information of all edges on metres, along and aside, and on radians.
+    weights: [f64; 2],
 }
 
 /// A pose with its direction.
@@ -50,14 +53,22 @@ impl State {
         State { x, y, theta, cos, sin }
     }
 
-    pub(super) fn of(pose: &Pose) -> State {
-        State::new(pose.x, pose.y, pose.theta)
+    /// A pose seen from an origin.
+    pub(super) fn of(pose: &Pose, origin: &Point) -> State {
+        State::new(pose.x - origin.x, pose.y - origin.y, pose.theta)
     }
 
-    pub(super) fn pose(&self) -> Pose {
-        Pose::new(self.x, self.y, self.theta)
+    /// The pose of a state seen from an origin.
+    pub(super) fn pose(&self, origin: &Point) -> Pose {
+        Pose::new(self.x + origin.x, self.y + origin.y, self.theta)
     }
 }
+
+/// How many units in the last place an error is off, of the numbers it is made of.
+const UNITS: f64 = 16.0;
+/// The share of a cost that matters to nobody, and the cost of an edge below which that is of the edges alone.
+const NEGLIGIBLE: f64 = 1e-6;
+const NEXT_TO_NOTHING: f64 = 1e-3;
 
 /// The angle of the same direction nearest to zero.
 pub(super) fn nearest_angle(angle: f64) -> f64 {
@@ -80,7 +91,10 @@ impl Problem {
                 .cmp(&b.ends)
                 .then_with(|| (bits(&a.measured), bits(&a.weight)).cmp(&(bits(&b.measured), bits(&b.weight))))
         });
-        Problem { constraints, loss }
+        let weights = constraints.iter().fold([0.0; 2], |[metres, radians], Constraint { weight, .. }| {
+            [metres + weight[0] + weight[2], radians + weight[5]]
+        });
+        Problem { constraints, loss, weights }
     }
 
     /// The sum of the costs of all edges; infinite or none where a state is.
@@ -92,6 +106,22 @@ impl Problem {
     /// The sum of `e' W e` of all edges, whatever the loss.
     pub(super) fn strain(&self, states: &[State]) -> f64 {
         self.constraints.iter().map(|constraint| constraint.chi_square(states)).fold(0.0, |sum, s| sum + s)
+    }
+
+    /// So much of the cost of some states may be nothing but rounding: what each error weighs that is off by a few units in
+    /// the last place of the numbers it is made of.
+    pub(super) fn rounding(&self, states: &[State]) -> f64 {
+        let most = |of: fn(&State) -> f64| states.iter().map(of).fold(1.0, f64::max);
+        let off = [most(|state| state.x.abs().max(state.y.abs())), most(|state| state.theta.abs())];
+        let weighed = self.weights.iter().zip(off.map(|most| UNITS * f64::EPSILON * most));
+        weighed.map(|(weight, off)| weight * off * off).sum()
+    }
+
+    /// So much more than a cost matters to nobody: a millionth of it. Of a cost that is itself next to nothing, as
+    /// measurements that agree have it, a billionth for each edge.
+    pub(super) fn negligible(&self, cost: f64) -> f64 {
+        let edges = self.constraints.len() as f64;
+        (NEGLIGIBLE * cost).max(NEGLIGIBLE * NEXT_TO_NOTHING * edges)
     }
 
     /// The normal equations at some states, over the nodes at which poses have their unknowns.

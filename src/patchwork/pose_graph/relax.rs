@@ -1,12 +1,13 @@
 //! Relaxation: the poses of least strain, by Gauss and Newton's method with damping.
 
-use crate::geometry::Pose;
+use crate::geometry::{Point, Pose};
 use crate::patchwork::pose_graph::RelaxError;
 use crate::patchwork::pose_graph::descent::{Descended, Descent};
 use crate::patchwork::pose_graph::graph::{PoseGraph, PoseId};
 use crate::patchwork::pose_graph::loss::Loss;
-use crate::patchwork::pose_graph::parts::{anchors, completed, parts};
+use crate::patchwork::pose_graph::parts::{anchors, completed, origins, parts};
 use crate::patchwork::pose_graph::problem::{Problem, State};
+use crate::patchwork::pose_graph::relaxation::{Outcome, Part, Relaxation, Trial};
 use crate::patchwork::pose_graph::singular::{free_nodes, is_sound, shift};
 use crate::patchwork::pose_graph::start::rotation_first;
 use crate::patchwork::pose_graph::strain::rank;
@@ -46,67 +47,6 @@ pub enum Start {
     Best,
 }
 
-/// How relaxation ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outcome {
-    /// No step would gain more than the tolerance.
-    Converged,
-    /// There were more steps to take than allowed.
-    OutOfIterations,
-    /// The caller said so: the poses are those of the last step taken.
-    Interrupted,
-    /// No step lowers the cost, however short, though the gradient says that one should: numbers are too large or too far
-    /// apart for the precision of the machine.
-    Stalled,
-}
-
-/// The answer of a relaxation.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Relaxation {
-    /// A pose for each of the graph, in its order, in the frame of the gauge.
-    pub poses: Vec<Pose>,
-    /// The strain of all edges: the sum of `e' W e`, whatever the loss.
-    pub objective: f64,
-    /// What was minimised: the sum of the losses; the objective, if none was chosen.
-    pub cost: f64,
-    /// Steps taken from the start that the answer came from.
-    pub iterations: usize,
-    /// How it ended.
-    pub outcome: Outcome,
-    /// Where the answer was started from: never [`Start::Best`].
-    pub start: Start,
-    /// All descents, in order.
-    pub trials: Vec<Trial>,
-    /// The poses that were not moved: those held, and the first of each part without one. They are the gauge.
-    pub gauge: Vec<PoseId>,
-    /// The connected parts. Nothing is known of one part's place in another.
-    pub parts: Vec<Part>,
-    /// The poses that the measurements do not determine, though edges connect them.
-    pub undetermined: Vec<PoseId>,
-    /// Numbers measured less numbers sought.
-    pub degrees_of_freedom: usize,
-}
-
-/// A connected part of a graph.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Part {
-    /// Its first pose.
-    pub first: PoseId,
-    /// How many poses it has.
-    pub poses: usize,
-}
-
-/// A descent from one start.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Trial {
-    /// Where it began.
-    pub start: Start,
-    /// The cost there, and after each step taken. Never rises.
-    pub costs: Vec<f64>,
-    /// How it ended.
-    pub outcome: Outcome,
-}
-
 /// A pose graph made ready: ordered, its normal equations analysed.
 #[derive(Debug)]
 pub struct Relaxer {
@@ -120,6 +60,10 @@ pub struct Relaxer {
     nodes: Vec<u32>,
     structure: Structure,
     system: System<3>,
+    /// The poses to begin with.
+    given: Vec<Pose>,
+    /// Where the states of each pose are seen from: a pose of its part that is held.
+    origins: Vec<Point>,
     guesses: Vec<State>,
     odometry: Vec<State>,
     /// Where the last relaxation ended.
@@ -135,7 +79,8 @@ pub fn relax(graph: &PoseGraph, options: &RelaxOptions) -> Result<Relaxation, Re
     relax_until(graph, options, &|| false)
 }
 
-/// The same, until `interrupted` says so, which is asked before each step: then the outcome is [`Outcome::Interrupted`].
+/// The same, until `interrupted` says so, which is asked before each factorisation: then the outcome is
+/// [`Outcome::Interrupted`], and the poses are the best found by then.
 pub fn relax_until(
     graph: &PoseGraph,
     options: &RelaxOptions,
@@ -151,16 +96,19 @@ impl Relaxer {
         let parts = parts(graph);
         let anchored = anchors(graph, &parts);
         let (nodes, structure) = eliminated(&problem, &anchored)?;
-        let states = |guesses: &[Option<Pose>]| -> Vec<State> {
-            completed(graph, guesses, &parts).iter().map(State::of).collect()
+        let given = completed(graph, graph.guesses(), &parts);
+        let origins = origins(&given, &parts, &anchored);
+        let states = |poses: &[Pose]| -> Vec<State> {
+            poses.iter().zip(&origins).map(|(pose, origin)| State::of(pose, origin)).collect()
         };
-        let guesses = states(graph.guesses());
         let odometry = if options.start == Start::Odometry {
             let known = graph.guesses().iter().zip(&anchored);
-            states(&known.map(|(guess, anchored)| guess.filter(|_| *anchored)).collect::<Vec<_>>())
+            let known: Vec<Option<Pose>> = known.map(|(guess, held)| guess.filter(|_| *held)).collect();
+            states(&completed(graph, &known, &parts))
         } else {
             vec![]
         };
+        let guesses = states(&given);
         let measured: usize = graph.edges().iter().map(|edge| rank(&edge.information)).sum();
         Ok(Relaxer {
             options: *options,
@@ -173,6 +121,8 @@ impl Relaxer {
             system: System::new(&structure)?,
             structure,
             states: guesses.clone(),
+            given,
+            origins,
             guesses,
             odometry,
             undetermined: vec![false; graph.len()],
@@ -185,11 +135,11 @@ impl Relaxer {
         self.relax_until(&|| false)
     }
 
-    /// The same, until `interrupted` says so, which is asked before each step.
+    /// The same, until `interrupted` says so, which is asked before each factorisation.
     pub fn relax_until(&mut self, interrupted: &dyn Fn() -> bool) -> Result<Relaxation, RelaxError> {
         let mut trials = vec![];
         let mut best: Option<(Start, Descended)> = None;
-        for (start, states) in self.starts()? {
+        for (start, states) in self.starts(interrupted)? {
             let found = |best: &Descended| best.outcome == Outcome::Converged && self.is_likely(cost(best));
             if best.as_ref().is_some_and(|(_, best)| found(best) || best.outcome == Outcome::Interrupted) {
                 break;
@@ -210,12 +160,13 @@ impl Relaxer {
 
     /// The poses as given, those that were wanting filled in from the edges.
     pub fn guesses(&self) -> Vec<Pose> {
-        self.guesses.iter().map(State::pose).collect()
+        self.given.clone()
     }
 
     /// The starts to try, the cheapest first.
-    fn starts(&self) -> Result<Vec<(Start, Vec<State>)>, RelaxError> {
-        let rotations = || rotation_first(&self.problem, &self.structure, &self.nodes, &self.guesses);
+    fn starts(&self, interrupted: &dyn Fn() -> bool) -> Result<Vec<(Start, Vec<State>)>, RelaxError> {
+        let rotations =
+            || rotation_first(&self.problem, &self.structure, &self.nodes, &self.guesses, interrupted);
         let mut starts = match self.options.start {
             Start::Guesses => vec![(Start::Guesses, self.guesses.clone())],
             Start::Odometry => vec![(Start::Odometry, self.odometry.clone())],
@@ -231,6 +182,12 @@ impl Relaxer {
             if cost.is_nan() { u64::MAX } else { cost.to_bits() }
         });
         Ok(starts)
+    }
+
+    /// How often the normal equations have been factorised, all by the one order of elimination and the one symbolic
+    /// analysis that [`Relaxer::new`] made.
+    pub fn factorizations(&self) -> usize {
+        self.system.factorizations()
     }
 
     fn descent<'a>(&'a mut self, interrupted: &'a dyn Fn() -> bool) -> Descent<'a> {
@@ -257,12 +214,21 @@ impl Relaxer {
         };
         self.undetermined = self.undetermined(descended.damped);
         let stopped = trials.iter().any(|trial| trial.outcome == Outcome::Interrupted);
+        let poses = self.poses();
+        let told = self.states_of(&poses);
+        let (found, cost) = (cost(descended), self.problem.cost(&told));
+        let outcome = match descended.outcome {
+            _ if stopped => Outcome::Interrupted,
+            _ if !(cost.is_finite() && found.is_finite()) => Outcome::Overflow,
+            Outcome::Converged if cost > found + self.problem.negligible(found) => Outcome::Stalled,
+            ended => ended,
+        };
         Relaxation {
-            poses: self.states.iter().map(State::pose).collect(),
-            objective: self.problem.strain(&self.states),
-            cost: cost(descended),
+            objective: self.problem.strain(&told),
+            poses,
+            cost,
             iterations: descended.costs.len().saturating_sub(1),
-            outcome: if stopped { Outcome::Interrupted } else { descended.outcome },
+            outcome,
             start,
             trials,
             gauge: named(&self.anchored, &self.ids),
@@ -270,6 +236,19 @@ impl Relaxer {
             undetermined: named(&self.undetermined, &self.ids),
             degrees_of_freedom: self.degrees_of_freedom,
         }
+    }
+
+    /// The poses of the states; those that were not moved are as they were, to the last bit.
+    fn poses(&self) -> Vec<Pose> {
+        let moved = self.states.iter().zip(&self.origins).map(|(state, origin)| state.pose(origin));
+        let held = self.given.iter().zip(&self.anchored);
+        moved.zip(held).map(|(moved, (given, held))| if *held { *given } else { moved }).collect()
+    }
+
+    /// The states at which some poses are, their headings as they have been found.
+    fn states_of(&self, poses: &[Pose]) -> Vec<State> {
+        let placed = poses.iter().zip(&self.origins).zip(&self.states);
+        placed.map(|((pose, at), state)| State { x: pose.x - at.x, y: pose.y - at.y, ..*state }).collect()
     }
 
     fn named_parts(&self) -> Vec<Part> {

@@ -24,20 +24,29 @@ const TURNS: usize = 50;
 /// Radians by which angles may still change at the end.
 const SETTLED: f64 = 1e-4;
 
-/// Poses from the measurements alone; only those without a node keep the state given.
+/// Poses from the measurements alone; only those without a node keep the state given. `interrupted` is asked between
+/// factorisations; where it says so they are as far as they have come.
 pub(super) fn rotation_first(
     problem: &Problem,
     structure: &Structure,
     nodes: &[u32],
     states: &[State],
+    interrupted: &dyn Fn() -> bool,
 ) -> Result<Vec<State>, RelaxError> {
+    if interrupted() {
+        return Ok(states.to_vec());
+    }
     let start =
         RotationFirst { constraints: &problem.constraints, structure, nodes, weights: weights(problem) };
     let mut planar = System::new(structure)?;
     let mut states = states.to_vec();
     start.relax_directions(&mut states, &mut planar);
-    start.relax_angles(&mut states)?;
-    start.relax_positions(&mut states, &mut planar);
+    if !interrupted() {
+        start.relax_angles(&mut states)?;
+    }
+    if !interrupted() {
+        start.relax_positions(&mut states, &mut planar);
+    }
     Ok(states)
 }
 
@@ -182,7 +191,7 @@ impl RotationFirst<'_> {
     fn give(&self, states: &mut [State], change: impl Fn(&State, usize) -> State) {
         for (state, node) in states.iter_mut().zip(self.nodes).filter(|(_, node)| **node != NOWHERE) {
             let changed = change(state, *node as usize);
-            if changed.pose().is_finite() {
+            if [changed.x, changed.y, changed.theta].iter().all(|number| number.is_finite()) {
                 *state = changed;
             }
         }

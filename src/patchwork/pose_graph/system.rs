@@ -29,6 +29,8 @@ pub(super) struct System<const B: usize> {
     blocks: Vec<u32>,
     /// The column of each block of the structure.
     column_of: Vec<u32>,
+    /// How often it was factorised, by the one analysis that it was made with.
+    factorizations: usize,
 }
 
 /// The matrix is not positive definite to working precision.
@@ -71,7 +73,7 @@ impl<const B: usize> System<B> {
         let memory = MemBuffer::try_new(scratch).map_err(|_| RelaxError::Memory)?;
         let factor = vec![0.0; symbolic.len_val()];
         let matrix = SparseColMat::new(pattern, vec![0.0; entries]);
-        Ok(System { matrix, symbolic, factor, memory, columns, blocks, column_of })
+        Ok(System { matrix, symbolic, factor, memory, columns, blocks, column_of, factorizations: 0 })
     }
 
     /// Puts zeros everywhere.
@@ -123,8 +125,14 @@ impl<const B: usize> System<B> {
         first as usize + (c + 1) * B * above as usize + c * (c + 1) / 2 + c
     }
 
+    /// How often the matrix was factorised by the symbolic analysis done when the system was made.
+    pub(super) fn factorizations(&self) -> usize {
+        self.factorizations
+    }
+
     /// Factorises the matrix as it is now.
     pub(super) fn factorize(&mut self) -> Result<(), NotPositive> {
+        self.factorizations += 1;
         let matrix = self.matrix.as_ref();
         let done = self.symbolic.factorize_numeric_llt(
             &mut self.factor,

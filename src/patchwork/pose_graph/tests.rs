@@ -5,6 +5,8 @@ use crate::geometry::{Pose, wrap_angle};
 use nalgebra::{DMatrix, DVector, Matrix3};
 use proptest::prelude::*;
 
+mod endings;
+
 fn edge(from: u64, to: u64, displacement: Pose, information: Matrix3<f64>) -> Edge {
     Edge { from: PoseId(from), to: PoseId(to), displacement, information }
 }
@@ -355,17 +357,17 @@ fn a_robust_loss_does_without_an_edge_that_lies() {
 }
 
 /// What grows piece by piece ends where it would have ended as a whole.
-fn grown(truth: &[Pose], edges: &[Edge]) -> (Patchwork, Vec<Update>) {
-    let mut patchwork = Patchwork::new(RelaxOptions::default());
+fn grown(truth: &[Pose], edges: &[Edge]) -> (IncrementalGraph, Vec<Update>) {
+    let mut growing = IncrementalGraph::new(RelaxOptions::default());
     let mut updates = vec![];
-    patchwork.add_pose(PoseId(0), Some(truth[0])).unwrap();
+    growing.add_pose(PoseId(0), Some(truth[0])).unwrap();
     for pose in 1..truth.len() as u64 {
-        patchwork.add_pose(PoseId(pose), None).unwrap();
+        growing.add_pose(PoseId(pose), None).unwrap();
         let news = edges.iter().filter(|edge| edge.from.0.max(edge.to.0) == pose);
-        news.for_each(|edge| patchwork.add_edge(*edge).unwrap());
-        updates.push(patchwork.relax().unwrap());
+        news.for_each(|edge| growing.add_edge(*edge).unwrap());
+        updates.push(growing.relax().unwrap());
     }
-    (patchwork, updates)
+    (growing, updates)
 }
 
 proptest! {
@@ -373,10 +375,10 @@ proptest! {
 
     #[test]
     fn what_grows_ends_where_the_whole_does((truth, edges) in measured(0.05)) {
-        let (patchwork, updates) = grown(&truth, &edges);
-        let poses: Vec<Pose> = patchwork.poses().iter().map(|pose| pose.unwrap()).collect();
-        let whole = from(&patchwork.graph().with_guesses(&poses), Start::Guesses);
-        let objective: f64 = patchwork.graph().strains(&poses).unwrap().iter().map(|s| s.chi_square).sum();
+        let (growing, updates) = grown(&truth, &edges);
+        let poses: Vec<Pose> = growing.poses().iter().map(|pose| pose.unwrap()).collect();
+        let whole = from(&growing.graph().with_guesses(&poses), Start::Guesses);
+        let objective: f64 = growing.graph().strains(&poses).unwrap().iter().map(|s| s.chi_square).sum();
         prop_assert!(objective <= whole.objective * (1.0 + 1e-5) + 1e-9, "{} {}", objective, whole.objective);
         for (a, b) in poses.iter().zip(&whole.poses) {
             prop_assert!(apart(a, b) < 1e-3);
@@ -397,9 +399,9 @@ fn growth_relaxes_what_it_touches() {
     edges.push(edge(4, 5, slip, unit));
     edges.push(edge(8, 5, slip, unit));
     let start = vec![Pose::IDENTITY; 9];
-    let (patchwork, updates) = grown(&start, &edges);
+    let (growing, updates) = grown(&start, &edges);
     let relaxed: Vec<usize> = updates.iter().map(|update| update.relaxed).collect();
     // Ends of chains cost nothing; a loop costs its own poses but the one it hangs on.
     assert_eq!(relaxed, [0, 0, 3, 0, 0, 0, 0, 3]);
-    assert_eq!(patchwork.poses()[0], Some(Pose::IDENTITY));
+    assert_eq!(growing.poses()[0], Some(Pose::IDENTITY));
 }

@@ -1,6 +1,5 @@
 //! The patchwork of a candidate: where its places lie, what strains them, and one grid of all that was seen.
 
-use crate::cli::fed;
 use crate::http::client::{Answer, Client, JSON, NDJSON, aces, array};
 use axum::body::Body;
 use axum::http::{HeaderValue, Request, header};
@@ -17,7 +16,7 @@ use topostar::trace::{EventKind, Percept, write_trace};
 use topostar::worlds::{LpmTrace, bundled, lpm_trace};
 
 const GRID: &str = "/v1/maps/office/candidates/preferred/grid";
-const GRAPH: &str = "/v1/maps/office/candidates/preferred/graph";
+pub(super) const GRAPH: &str = "/v1/maps/office/candidates/preferred/graph";
 
 pub(super) fn office() -> LpmTrace {
     lpm_trace(&bundled("office").unwrap(), 0, 0.1).unwrap()
@@ -43,13 +42,18 @@ fn middles(trace: &LpmTrace) -> Vec<Point> {
 }
 
 /// A map that took the walk through the office as grids.
-async fn with_office(limits: Limits, config: &str) -> Client {
+pub(super) async fn with_office(limits: Limits, config: &str) -> Client {
     filled(Client::with_limits(limits), config).await
 }
 
 async fn filled(client: Client, config: &str) -> Client {
+    holding(client, config, &office()).await
+}
+
+/// A client of a map `office` that took a walk.
+pub(super) async fn holding(client: Client, config: &str, walk: &LpmTrace) -> Client {
     client.put("office", config).await;
-    assert_eq!(client.post("office", NDJSON, ndjson(&office())).await.status, 200);
+    assert_eq!(client.post("office", NDJSON, ndjson(walk)).await.status, 200);
     client
 }
 
@@ -325,75 +329,5 @@ async fn what_a_client_has_is_not_made_again() {
         assert_eq!(conditional(path, tag).await.status, 304);
         let other = conditional(path, &HeaderValue::from_static("\"other\"")).await;
         assert_eq!((other.status.as_u16(), &other.headers[header::ETAG]), (200, tag));
-    }
-}
-
-/// By the bare theory two maps of the office are equally simple; what was measured tells which.
-#[tokio::test]
-async fn the_least_strained_of_equally_simple_maps_is_preferred() {
-    let trace = office();
-    let mut answers = Vec::new();
-    for strategy in ["breadth-first", "best-first"] {
-        let config = format!(r#"{{"profile":"paper","strategy":"{strategy}"}}"#);
-        let client = with_office(Limits::default(), &config).await;
-        let map = client.get("/v1/maps/office").await.json();
-        let preferred = &map["preferred"];
-        assert_eq!(preferred["unique"], false);
-        assert_eq!(preferred["visits"], json!(trace.places));
-        assert_eq!(map["minimal"][0], preferred["visits"]);
-        let ties = &map["ties"];
-        assert_eq!(ties["ordered_by"], "strain");
-        let strains = ties["strains"].as_array().unwrap();
-        assert_eq!((strains.len(), map["minimal"].as_array().unwrap().len()), (2, 2));
-        let probable = |at: usize| strains[at]["log10_probability"].as_f64().unwrap();
-        assert!(probable(0) > -4.0 && probable(1) < -20.0, "{ties}");
-        let graph = client.get(GRAPH).await.json();
-        assert_eq!(graph["strain"]["chi_square"], strains[0]["chi_square"]);
-        assert_eq!(client.get("/v1/maps/office/candidates/preferred").await.json(), *preferred);
-        answers.push((map["minimal"].clone(), ties.clone()));
-    }
-    assert_eq!(answers[0], answers[1]);
-    let printed =
-        crate::cli::json(&fed(&["map", "-", "--profile", "paper", "--json"], ndjson(&trace).as_bytes()));
-    assert_eq!((printed["minimal"].clone(), printed["ties"].clone()), answers[0]);
-    let words = crate::cli::text(&fed(&["map", "-", "--profile", "paper"], ndjson(&trace).as_bytes()).stdout);
-    assert!(words.contains("preferred as the least strained of them; strain "), "{words}");
-}
-
-/// Whoever asks is answered, in the order of assignments, where the strain is not known in time.
-#[tokio::test]
-async fn a_tie_that_takes_too_long_stays_in_the_order_of_assignments() {
-    let hasty = Limits { patchwork_time: Duration::ZERO, ..Limits::default() };
-    let client = with_office(hasty, r#"{"profile":"paper"}"#).await;
-    let map = client.get("/v1/maps/office").await;
-    assert_eq!(map.status, 200);
-    let map = map.json();
-    assert_eq!(map["ties"], json!({"ordered_by": "assignment", "strains": [null, null]}));
-    assert_eq!(map["minimal"][0], map["preferred"]["visits"]);
-    let visits = |at: usize| serde_json::from_value::<Vec<usize>>(map["minimal"][at].clone()).unwrap();
-    assert!(visits(0) <= visits(1), "{}", map["minimal"]);
-    let candidates = "/v1/maps/office/candidates";
-    for path in ["preferred", "preferred/explain", "preferred/diff/0", "0/graph?poses=false"] {
-        assert_eq!(client.get(&format!("{candidates}/{path}")).await.status, 200, "{path}");
-    }
-    assert_eq!(client.get(&format!("{candidates}/preferred")).await.json(), map["preferred"]);
-}
-
-/// Many who ask at once get one answer, and those who go away take it from nobody.
-#[tokio::test(flavor = "multi_thread")]
-async fn who_asks_at_once_is_told_the_same_order() {
-    let client = std::sync::Arc::new(with_office(Limits::default(), r#"{"profile":"paper"}"#).await);
-    let ask = || {
-        let client = std::sync::Arc::clone(&client);
-        tokio::spawn(async move { client.get("/v1/maps/office").await.json() })
-    };
-    let gone = ask();
-    let asking: Vec<_> = (0..8).map(|_| ask()).collect();
-    tokio::task::yield_now().await;
-    gone.abort();
-    for answer in asking {
-        let map = answer.await.unwrap();
-        assert_eq!(map["ties"]["ordered_by"], "strain");
-        assert_eq!(map["preferred"]["visits"], json!(office().places));
     }
 }

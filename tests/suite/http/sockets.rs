@@ -1,20 +1,20 @@
 //! The service behind a socket, as clients reach it.
 
-use crate::http::client::{NDJSON, aces, aces_lines};
-use crate::http::patchwork::{ndjson, office};
-use std::io::Write;
+use crate::http::client::{JSON, NDJSON, aces, aces_lines};
+use crate::http::patchwork::ndjson;
+use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::sync::Arc;
-use std::thread::{available_parallelism, sleep};
-use std::time::{Duration, Instant};
-use topostar::service::{Limits, Maps, MemoryStore, serve};
+use std::thread::available_parallelism;
+use std::time::Duration;
+use topostar::service::{Limits, Maps, MemoryStore, Workload, serve};
+use topostar::worlds::{bundled, lpm_trace};
 use ureq::Agent;
 
 /// A service on a free port of loopback, for as long as the test runs, and its address.
-async fn served(limits: Limits) -> String {
+async fn serving(maps: Maps) -> String {
     let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
     let address = format!("http://{}", listener.local_addr().unwrap());
-    let maps = Maps::new(Arc::new(MemoryStore::new(10)), limits);
     tokio::spawn(serve(listener, maps));
     address
 }
@@ -27,7 +27,7 @@ fn post(url: &str, body: &str) -> (u16, String) {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_fault_early_in_a_long_stream_is_answered() {
-    let address = served(Limits::default()).await;
+    let address = serving(Maps::new(Arc::new(MemoryStore::new(10)), Limits::default())).await;
     tokio::task::spawn_blocking(move || {
         let map = format!("{address}/v1/maps/aces");
         assert_eq!(ureq::put(&map).send_empty().unwrap().status(), 201);
@@ -42,37 +42,106 @@ async fn a_fault_early_in_a_long_stream_is_answered() {
     .unwrap();
 }
 
-/// Many clients ask for a large grid and go away: who stays need not wait until all of them are made.
-#[tokio::test(flavor = "multi_thread")]
-async fn a_client_that_goes_away_ends_its_grid() {
+/// A service with a walk through the office as grids, and the maps that it serves.
+async fn with_office(map: &str, config: &str) -> (String, Maps) {
     let long = Duration::from_secs(3600);
     let limits = Limits { cells_per_answer: 64 << 20, patchwork_time: long, ..Limits::default() };
-    let address = served(limits).await;
+    let maps = Maps::new(Arc::new(MemoryStore::new(10)), limits);
+    let address = serving(maps.clone()).await;
+    let (url, config) = (format!("{address}/v1/maps/{map}"), config.to_owned());
     tokio::task::spawn_blocking(move || {
-        let map = format!("{address}/v1/maps/office");
-        assert_eq!(ureq::put(&map).send_empty().unwrap().status(), 201);
-        assert_eq!(post(&format!("{map}/events"), &ndjson(&office())).0, 200);
-        let grid = |resolution: f64| {
-            let begun = Instant::now();
-            let url = format!("{map}/candidates/preferred/grid?format=pgm&resolution={resolution}");
-            assert_eq!(ureq::get(&url).call().unwrap().status(), 200);
-            begun.elapsed()
-        };
-        let (whole, workers) = (grid(0.015), available_parallelism().map_or(1, |count| count.get()));
-        let path = "/v1/maps/office/candidates/preferred/grid?format=pgm&resolution=0.015";
-        let host = address.trim_start_matches("http://");
-        let ask = |_| {
-            let mut client = TcpStream::connect(host).unwrap();
-            write!(client, "GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").unwrap();
-            client
-        };
-        let rounds = 20;
-        let clients: Vec<TcpStream> = (0..rounds * workers).map(ask).collect();
-        sleep(whole / 4);
-        drop(clients);
-        let waited = grid(0.5);
-        assert!(waited < whole * rounds as u32 / 4, "waited {waited:?} where one grid takes {whole:?}");
+        let made = ureq::put(&url).header("Content-Type", JSON).send(config).unwrap();
+        assert_eq!(made.status(), 201);
+        let walk = lpm_trace(&bundled("office").unwrap(), 0, 0.05).unwrap();
+        assert_eq!(post(&format!("{url}/events"), &ndjson(&walk)).0, 200);
     })
     .await
     .unwrap();
+    (address, maps)
+}
+
+/// A client that has sent a request and waits for the answer, until it is dropped.
+fn asking(address: &str, path: &str) -> TcpStream {
+    let host = address.trim_start_matches("http://");
+    let mut client = TcpStream::connect(host).unwrap();
+    write!(client, "GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").unwrap();
+    client
+}
+
+/// The beginning of the answer that a client gets.
+fn status(mut client: TcpStream) -> [u8; 12] {
+    let mut head = [0; 12];
+    client.read_exact(&mut head).unwrap();
+    head
+}
+
+/// Waits until the patchworks in the making are as wanted.
+async fn until(maps: &Maps, wanted: impl Fn(Workload) -> bool) -> Workload {
+    let waiting = async {
+        loop {
+            let workload = maps.patchworks();
+            if wanted(workload) {
+                return workload;
+            }
+            tokio::time::sleep(Duration::from_millis(1)).await;
+        }
+    };
+    let came = tokio::time::timeout(Duration::from_secs(120), waiting).await;
+    came.unwrap_or_else(|_| panic!("it stays at {:?}", maps.patchworks()))
+}
+
+/// Whatever is made of a candidate ends with the connection that asked for it, long before it is done. What is told to
+/// stop does so at once, as the tests beside the work show; what has come to its end is not told any more.
+#[tokio::test(flavor = "multi_thread")]
+async fn what_is_made_for_a_client_ends_with_its_connection() {
+    for (config, path) in [
+        ("", "graph"),
+        ("", "grid?format=pgm&resolution=0.01"),
+        // Two maps tie, and both are relaxed to tell which is preferred.
+        (r#"{"profile":"paper"}"#, "graph"),
+    ] {
+        let (address, maps) = with_office("office", config).await;
+        let client = asking(&address, &format!("/v1/maps/office/candidates/preferred/{path}"));
+        until(&maps, |load| load.running == 1).await;
+        drop(client);
+        let left = until(&maps, |load| load.running == 0).await;
+        assert_eq!(left, Workload { running: 0, ended: 1, stopped: 1 }, "{config} {path}");
+    }
+}
+
+/// What two clients wait for, the order of maps that tie, is not lost with the one on whose account it is found.
+#[tokio::test(flavor = "multi_thread")]
+async fn who_waits_for_the_same_work_gets_it() {
+    let (address, maps) = with_office("office", r#"{"profile":"paper"}"#).await;
+    let path = "/v1/maps/office/candidates/preferred/graph";
+    let gone = asking(&address, path);
+    until(&maps, |load| load.running == 1).await;
+    let staying = asking(&address, path);
+    drop(gone);
+    assert_eq!(tokio::task::spawn_blocking(|| status(staying)).await.unwrap(), *b"HTTP/1.1 200");
+    let left = until(&maps, |load| load.running == 0).await;
+    // The one was stopped; for the other the maps were put in order, and the first of them relaxed.
+    assert_eq!(left, Workload { running: 0, ended: 3, stopped: 1 });
+}
+
+/// Many clients ask for a large grid and go away: all threads are free again, for those who stay.
+#[tokio::test(flavor = "multi_thread")]
+async fn clients_that_go_away_leave_the_threads_to_those_who_stay() {
+    let (address, maps) = with_office("office", "").await;
+    let path = |resolution: f64| {
+        format!("/v1/maps/office/candidates/preferred/grid?format=pgm&resolution={resolution}")
+    };
+    let threads = available_parallelism().map_or(1, |count| count.get());
+    let gone: Vec<TcpStream> = (0..20 * threads).map(|_| asking(&address, &path(0.01))).collect();
+    until(&maps, |load| load.running == threads).await;
+    let staying = asking(&address, &path(0.5));
+    drop(gone);
+    let url = format!("{address}{}", path(0.5));
+    let answer = tokio::task::spawn_blocking(move || {
+        (status(staying), ureq::get(&url).call().unwrap().status().as_u16())
+    });
+    assert_eq!(answer.await.unwrap(), (*b"HTTP/1.1 200", 200));
+    let left = until(&maps, |load| load.running == 0).await;
+    // The two who stayed were answered, and nobody else's grid was made.
+    assert!(left.stopped >= threads as u64 && left.ended == left.stopped + 2, "{left:?}");
 }

@@ -2,8 +2,9 @@
 //!
 //! Both are lines of words. g2o (Kümmerle, Grisetti, Strasdat, Konolige and Burgard 2011) writes `VERTEX_SE2 id x y theta`,
 //! `EDGE_SE2 i j x y theta` with the upper triangle of the information row by row (11 12 13 22 23 33), and `FIX id`. TORO
-//! (Grisetti, Stachniss and Burgard 2009) writes `VERTEX2`, `EDGE2` and the information as 11 12 22 33 13 23. No file says
-//! which order it has, and some have the other one: see [`InformationOrder`].
+//! (Grisetti, Stachniss and Burgard 2009) writes `VERTEX2`, `EDGE2` and the information as 11 12 22 33 13 23; it has no
+//! word for poses held, so that `FIX` is read with the tags of either and written in g2o alone. No file says which order it
+//! has, and some have the other one: see [`InformationOrder`].
 
 mod line;
 mod read;

@@ -14,7 +14,8 @@ pub fn write_g2o(graph: &PoseGraph) -> String {
     text + &edges(graph, "EDGE_SE2", InformationOrder::G2o)
 }
 
-/// The graph in TORO's format, which has no word for poses held.
+/// The graph in TORO's format. It has no word for poses held: read back, the graph has the gauge of one without any, the
+/// first pose of each part.
 pub fn write_toro(graph: &PoseGraph) -> String {
     vertices(graph, "VERTEX2") + &edges(graph, "EDGE2", InformationOrder::Toro)
 }

@@ -4,12 +4,13 @@ use crate::geometry::Pose;
 use crate::patchwork::pose_graph::RelaxError;
 use crate::patchwork::pose_graph::blocks::Neighbours;
 use crate::patchwork::pose_graph::graph::{Edge, GraphError, PoseGraph, PoseId};
-use crate::patchwork::pose_graph::relax::{Outcome, RelaxOptions, Relaxer, Start};
+use crate::patchwork::pose_graph::relax::{RelaxOptions, Relaxer, Start};
+use crate::patchwork::pose_graph::relaxation::Outcome;
 
 /// A pose graph with its relaxed poses. What is added is relaxed on demand, and only what it touches: the loops through
 /// it; what hangs on them follows as it is, without strain.
 #[derive(Clone, Debug)]
-pub struct Patchwork {
+pub struct IncrementalGraph {
     options: RelaxOptions,
     graph: PoseGraph,
     /// The relaxed pose of each, where it has one yet.
@@ -35,10 +36,10 @@ pub struct Update {
 /// Chi-square of an edge that asks for nothing: a millionth of a standard deviation.
 const AGREES: f64 = 1e-12;
 
-impl Patchwork {
+impl IncrementalGraph {
     /// No poses yet.
     pub fn new(options: RelaxOptions) -> Self {
-        Patchwork {
+        IncrementalGraph {
             options,
             graph: PoseGraph::new(),
             poses: vec![],
