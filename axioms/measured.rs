@@ -6,8 +6,11 @@ use crate::measured_reference::{LAWS, broken, decided};
 use crate::reference::Story;
 use proptest::prelude::*;
 use std::cell::Cell;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use topostar::abduction::{
-    Abduction, Assignment, AxiomId, AxiomSet, Limits, Profile, Proposed, REGISTRY, Visit, judge, proposed,
+    Abduction, Assignment, AxiomId, AxiomSet, Clash, Evidence, Limits, Profile, Proposal, Proposed, REGISTRY,
+    Visit, judge, proposed,
 };
 use topostar::map::PlaceId;
 use topostar::metric::Measurements;
@@ -225,4 +228,45 @@ fn the_true_map_is_never_refuted() {
         }
     }
     assert_eq!(preferred, 12);
+}
+
+/// Measurements that count how often they refute since places have no room beside all others.
+#[derive(Debug)]
+struct Crowding {
+    measured: Arc<dyn Evidence>,
+    crowded: Arc<AtomicUsize>,
+}
+
+impl Evidence for Crowding {
+    fn holds(&self, axiom: AxiomId, proposal: &Proposal<'_>) -> bool {
+        let holds = self.measured.holds(axiom, proposal);
+        let crowded = !holds && self.clash(axiom, proposal).words.contains("places on the spots of others");
+        self.crowded.fetch_add(usize::from(crowded), Ordering::Relaxed);
+        holds
+    }
+
+    fn clash(&self, axiom: AxiomId, proposal: &Proposal<'_>) -> Clash {
+        self.measured.clash(axiom, proposal)
+    }
+}
+
+/// With odometry as bad as the worst some candidates fall only as their places have no room together, and few are left.
+#[test]
+fn candidates_fall_whose_places_have_no_room() {
+    let crowded = Arc::new(AtomicUsize::new(0));
+    for seed in [0, 10, 20, 30] {
+        let places = corridor_grid(4, 4, 10.0);
+        let trace = drifting_trace(&places, &covering_walk(&places, seed), Drift::WORST, seed).unwrap();
+        let mut measured = Measurements::default();
+        let mut found = Abduction::new(AxiomSet::of(Profile::Default), Limits::default());
+        for sighting in sightings(&trace.events) {
+            measured = measured.with(&sighting);
+            let evidence = measured.evidence().map(|measured| {
+                Arc::new(Crowding { measured, crowded: Arc::clone(&crowded) }) as Arc<dyn Evidence>
+            });
+            found.observe_measured(&Visit::from(&sighting), evidence).unwrap();
+        }
+        assert!((1..=6).contains(&found.len()), "{seed}: {}", found.len());
+    }
+    assert!(crowded.load(Ordering::Relaxed) >= 4, "{crowded:?}");
 }
