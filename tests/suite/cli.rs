@@ -254,7 +254,8 @@ fn where_no_map_goes_on_the_reason_and_the_map_before_are_told() {
     let mut end: Value = serde_json::from_str(&lines[5]).unwrap();
     end["seq"] = 8.into();
     lines[8] = end.to_string();
-    let output = fed(&["map", "-", "-o", folder.path().to_str().unwrap()], lines.join("\n").as_bytes());
+    let walk = ["map", "-", "-o", folder.path().to_str().unwrap()];
+    let output = fed(&[&walk[..], &["--as-read"]].concat(), lines.join("\n").as_bytes());
     assert_eq!(output.status.code(), Some(4), "{}", text(&output.stderr));
     let drawn = |file: &str| std::fs::read_to_string(folder.path().join(file)).unwrap_or_default();
     assert!(drawn("map.svg").contains("Map before observation"));
@@ -263,6 +264,25 @@ fn where_no_map_goes_on_the_reason_and_the_map_before_are_told() {
     let pictures = pictures
         .filter(|file| file.as_ref().unwrap().file_name().to_string_lossy().starts_with("observation-"));
     assert_eq!(pictures.count(), 2);
+    // With what perception may have missed, there is a map, and it is said at what price.
+    let output = fed(&walk, lines.join("\n").as_bytes());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let words = text(&output.stdout);
+    for part in ["no map explains the walk as it was read", "passed unseen", "preferred map"] {
+        assert!(words.contains(part), "{part}: {words}");
+    }
+    let report: Value = serde_json::from_str(&drawn("report.json")).unwrap();
+    let mending = &report["mending"];
+    assert_eq!(
+        (&mending["observations"], &mending["explained"], &mending["first"]),
+        (&4.into(), &4.into(), &0.into())
+    );
+    assert!(mending["changes"][0]["words"].as_str().is_some_and(|words| drawn("map.txt").contains(words)));
+    assert_eq!(
+        report["preferred"]["visits"].as_array().unwrap().len(),
+        mending["told"].as_array().unwrap().len()
+    );
+    assert!(report.get("standstill").is_none() && drawn("map.svg").contains("1 reading changed"));
 }
 
 #[test]
