@@ -18,7 +18,7 @@ pub struct Mending {
     pub first: usize,
     /// How many it explains, from that one on: where they are not all, the longest stretch found.
     pub explained: usize,
-    /// The sum of the margins that the changes overrule.
+    /// The sum of the margins that the changes overrule; a place passed unseen counts as the most doubtful of them may.
     pub doubt: f64,
     /// Whether no changes of less doubt explain as many; false where a limit cut the search for them.
     pub proven: bool,
@@ -149,7 +149,10 @@ fn words(change: &Change) -> String {
     let Change { observation, slot, bearing, kind, doubt, like } = change;
     let like = like.map_or_else(String::new, |like| format!(" observation {like}"));
     if *kind == ChangeKind::Missed {
-        return format!("on the way to observation {observation} the place of{like} was passed unseen");
+        let doubt = 100.0 * doubt.margin();
+        return format!(
+            "on the way to observation {observation} the place of{like} was passed unseen, counted as {doubt:.0} %"
+        );
     }
     let slot = slot.map_or_else(String::new, |slot| format!(", slot {}", slot.0));
     let at = bearing.map_or_else(String::new, |bearing| format!(" at {:.0} degrees", bearing.to_degrees()));
@@ -172,35 +175,40 @@ fn words(change: &Change) -> String {
 
 /// What was changed and how far that leads, as lines of text.
 pub fn mending_text(mending: &Mending) -> String {
-    let Mending { observations, first, explained, doubt, proven, changes, told, .. } = mending;
-    let mut text = match explained == observations {
-        true => "no map explains the walk as it was read. The map is that of the walk with these readings changed, ".into(),
+    let Mending { observations, first, explained, told, .. } = mending;
+    let whole = explained == observations;
+    let mut text = String::from("no map explains the walk as it was read");
+    text += &match whole {
+        true => ". The map is that of the walk".to_owned(),
         false => format!(
-            "no map explains the walk as it was read, nor with doubtful readings changed. The map is that of \
-             observations {first} to {}, the longest stretch explained, with these readings changed, ",
+            ", nor with doubtful readings changed. The map is that of observations {first} to {}, the longest stretch \
+             explained,",
             (first + explained).saturating_sub(1)
         ),
     };
-    let least =
-        if *proven { "the least doubtful changes there are" } else { "the least doubtful changes found" };
+    text += &changes_text(mending);
     // Writing into a String cannot fail.
-    let _ = writeln!(text, "{least} (margins {:.0} % in all):", 100.0 * doubt);
-    for change in changes {
-        let _ = writeln!(text, "  {}", change.words);
-    }
-    if changes.is_empty() {
-        text += "  none\n";
-    }
-    let renumbered = (0..told.len()).any(|visit| told[visit] != Some(visit));
-    if renumbered {
+    if *told != (*first..first + explained).map(Some).collect::<Vec<_>>() {
         let name =
-            |one: &Option<usize>| one.map_or_else(|| "-".into(), |observation| observation.to_string());
+            |one: &Option<usize>| one.map_or_else(|| "unseen".into(), |observation| observation.to_string());
         let names: Vec<String> = told.iter().map(name).collect();
-        let _ = writeln!(text, "  its visits are observations {} (- passed unseen)", names.join(" "));
+        let _ = writeln!(text, "  its visits are observations {}", names.join(" "));
     }
-    if explained < observations {
+    if !whole {
         let left = observations - explained;
         let _ = writeln!(text, "  {left} observations are left, which nothing explains together with these");
     }
     text + "\n"
+}
+
+fn changes_text(Mending { doubt, proven, changes, .. }: &Mending) -> String {
+    if changes.is_empty() {
+        return " as it was read\n".into();
+    }
+    let least = if *proven { "there are" } else { "found" };
+    let head = format!(
+        " with these readings changed, the least doubtful changes {least} (doubt {:.0} % in all):\n",
+        100.0 * doubt
+    );
+    changes.iter().fold(head, |text, change| format!("{text}  {}\n", change.words))
 }
