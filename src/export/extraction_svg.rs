@@ -32,9 +32,9 @@ pub fn extraction_svg_with(
         let below = height + REMARK_HEIGHT * (line as f64 + 0.5);
         Text::new(words).set("font-size", 15).set("fill", DOUBTFUL).set("x", PADDING).set("y", below)
     };
-    let below = height + REMARK_HEIGHT * remarks.len() as f64;
-    let remarks = remarks.iter().enumerate().map(remark).fold(Group::new(), Group::add);
-    sheet(width, below).add(panel(place, robot, rejected)).add(remarks).to_string()
+    let sheet = sheet(width, height + REMARK_HEIGHT * remarks.len() as f64);
+    let document = sheet.add(panel(place, robot, rejected));
+    remarks.iter().enumerate().map(remark).fold(document, |document, line| document.add(line)).to_string()
 }
 
 /// Width and height of the drawing of a place, user units.
