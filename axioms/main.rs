@@ -22,6 +22,7 @@ mod layout_reference;
 mod lengths_and_angles;
 mod measured;
 mod measured_reference;
+mod mending;
 mod best_first;
 mod boundary;
 mod grid_walks;

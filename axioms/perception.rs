@@ -187,6 +187,42 @@ proptest! {
     }
 }
 
+/// A fork whose bearings cells of 10 cm put off by up to 3.2 degrees, so that two of its five ways seem to be one path: by
+/// scores alone, as 0.67 is well above both runners-up, 0.53 and 0.52.
+#[test]
+fn a_fork_of_five_has_five_paths_where_cells_bend_its_bearings() {
+    let frame_from_plan = Pose { x: -0.4155339376893142, y: -1.8970300678794092, theta: 0.03634609111083802 };
+    let laying = Laying { frame_from_plan, turned: 2.236374197355276, resolution: 0.1 };
+    let shapes = shapes::all();
+    let fork = shapes.iter().find(|shape| shape.name == "five-way").unwrap();
+    let seen = look(&fork.plan, &fork.arrivals[0], &laying).unwrap();
+    let off = seen.gateways.iter().map(|gateway| {
+        let ways = (gateway.bearing - frame_from_plan.theta) / TAU * 5.0;
+        ((ways - ways.round()) * TAU / 5.0).to_degrees().abs()
+    });
+    assert!((3.0..3.5).contains(&off.fold(0.0, f64::max)), "the case shows nothing any more");
+    check_shape(fork, &laying).unwrap();
+}
+
+/// A room as wide in its middle as between two mouths beside it, where cells of 10 cm make one of these seem to stand ahead.
+#[test]
+fn the_middle_of_a_room_is_no_gateway() {
+    let shapes = shapes::all();
+    let room = shapes.iter().find(|shape| shape.name == "figure 3(b)").unwrap();
+    for (frame_from_plan, turned) in [
+        (Pose::new(-1.5476947016312863, -1.4472513115551733, -0.8863134334984428), 6.009229335986822),
+        (Pose::new(2.2985097402442847, 0.20323826609448226, -1.6993872105336374), 2.013361391113631),
+    ] {
+        check_shape(room, &Laying { frame_from_plan, turned, resolution: 0.1 }).unwrap();
+    }
+    let frame_from_plan = Pose::new(0.0, -0.10199996343360332, -1.0575609414329978);
+    let laying = Laying { frame_from_plan, turned: 4.23056496985574, resolution: 0.1 };
+    let arrival = Pose { y: -room.arrivals[0].y, theta: -room.arrivals[0].theta, ..room.arrivals[0] };
+    let mirror = look(&room.plan.mirrored(), &arrival, &laying).unwrap().star.large_scale();
+    let star = look(&room.plan, &room.arrivals[0], &laying).unwrap().star.large_scale();
+    assert_eq!(mirrored(star.slots()), mirror.slots());
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 

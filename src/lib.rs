@@ -51,6 +51,7 @@ pub mod patchwork;
 pub mod classic;
 pub mod reference;
 pub mod explanation;
+pub mod mending;
 pub mod export;
 pub mod service;
 pub mod cli;

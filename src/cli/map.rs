@@ -1,19 +1,21 @@
 //! `topostar map`: a trace in, the preferred map and the number of maps still possible out.
 
-use crate::abduction::{Abduction, AxiomSet, Report, StopReason, Strategy};
+use crate::abduction::{Abduction, AxiomSet, Candidate, Report, StopReason, Strategy};
 use crate::cli::asked::{Asked, Said};
 use crate::cli::axiom_choice::AxiomChoice;
 use crate::cli::classic::{self, is_of_views};
 use crate::cli::failure::Failure;
 use crate::cli::input::{Events, read_arrivals, read_events};
 use crate::cli::log::{LogArgs, is_log};
+use crate::cli::mending::{Attempt, attempt};
 use crate::cli::patchwork::{Patchwork, or_left_out, patchwork, strain_in_words};
 use crate::cli::poses::{pose_errors, poses_in_words};
-use crate::cli::standstill::{Stopped, before_in_words, pictures, stopped};
+use crate::cli::standstill::{Stopped, map_in_words, pictures, stopped};
 use crate::cli::words::{certainty, in_words, reasons_in_words, truth_in_words};
 use crate::explanation::{Verdict, verdict as verdict_of};
 use crate::export::{
-    self, Explanation, MapGraph, Mark, PoseErrors, Ties, Truth, map_svg, map_text, standstill_text,
+    self, Explanation, MapGraph, Mark, PoseErrors, Ties, Truth, map_svg, map_text, mending_text,
+    standstill_text,
 };
 use crate::service::{Limits, MapConfig, Session, SessionError};
 use crate::trace::recording::Arrival;
@@ -75,6 +77,9 @@ pub(super) struct Map {
     /// With --strategy best-first: the longest search, in seconds; what was found by then is shown.
     #[arg(long, value_name = "S", value_parser = seconds)]
     max_seconds: Option<f64>,
+    /// Take every reading as it is: where no map explains them, do not look for doubtful ones to change.
+    #[arg(long)]
+    as_read: bool,
     /// Print the report as one JSON object.
     #[arg(long)]
     pub(super) json: bool,
@@ -116,26 +121,36 @@ impl Map {
         let (timetable, track) = (std::mem::take(&mut input.timetable), std::mem::take(&mut input.track));
         let way = std::mem::take(&mut input.way);
         let Explained { events, session, fault } = self.search(input, axioms, strategy)?;
-        let (mut report, survey) = (session.abduction().report(), session.survey());
-        let mut agreements = survey.agreements();
+        let attempt = if self.as_read { None } else { attempt(&session, &events)? };
+        let attempt = attempt.as_ref();
+        let whole = attempt.filter(|attempt| attempt.is_whole());
+        let abduction = whole.map_or(session.abduction(), |whole| &whole.abduction);
+        let survey = attempt.map_or(&**session.survey(), |attempt| &attempt.survey);
+        let (mut report, mut agreements) = (abduction.report(), survey.agreements());
         let ties =
             or_left_out("the strain of ties", Ties::rank(&mut report, survey, &mut agreements, &|| false));
         let mut wire = export::Report::new(&report);
         wire.ties = ties;
-        wire.explain = self.reasons(session.abduction(), &report)?.map(Box::new);
-        wire.truth = self.compared(&timetable, &session, wire.preferred.as_ref())?.map(Box::new);
-        let preferred = report.minimal.first();
-        let patchwork = preferred.and_then(|map| {
-            or_left_out("the patchwork", patchwork(survey, &mut agreements, &map.visits, &way))
+        wire.explain = self.reasons(abduction, &report)?.map(Box::new);
+        wire.truth = self.compared(&timetable, abduction, whole, wire.preferred.as_ref())?.map(Box::new);
+        let shown = report.minimal.first().or(attempt.and_then(|attempt| attempt.found.minimal.first()));
+        let told = |map: &Candidate| match attempt {
+            Some(attempt) => attempt.mending.told.clone(),
+            None => (0..map.visits.len()).map(Some).collect(),
+        };
+        let patchwork = shown.and_then(|map| {
+            or_left_out("the patchwork", patchwork(survey, &mut agreements, &map.visits, &way, &told(map)))
         });
-        wire.strain = patchwork.as_ref().map(|patchwork| Box::new(patchwork.strain.clone()));
+        let strain = patchwork.as_ref().filter(|_| wire.preferred.is_some());
+        wire.strain = strain.map(|patchwork| Box::new(patchwork.strain.clone()));
         wire.poses = self.pose_errors(&track, patchwork.as_ref())?.map(Box::new);
-        let stopped = stopped(&session, &events, limits())?;
+        let stopped = if whole.is_none() { stopped(&session, &events, limits())? } else { None };
         wire.standstill = stopped.as_ref().map(|stopped| Box::new(stopped.why.clone()));
+        wire.mending = attempt.map(|attempt| Box::new(attempt.mending.clone()));
         wire.seconds = Some(started.elapsed().as_secs_f64());
-        self.print(&report, &wire, stopped.as_ref())?;
+        self.print(&report, &wire, stopped.as_ref(), attempt)?;
         if let Some(folder) = &self.output {
-            let mut files = files(&events, &report, &wire, stopped.as_ref())?;
+            let mut files = files(&events, &report, &wire, stopped.as_ref(), attempt)?;
             if let Some(patchwork) = &patchwork {
                 files.extend(patchwork.files()?);
             }
@@ -149,16 +164,20 @@ impl Map {
         report: &Report,
         wire: &export::Report,
         stopped: Option<&Stopped>,
+        attempt: Option<&Attempt>,
     ) -> Result<(), Failure> {
         if self.json {
             return Ok(writeln!(stdout(), "{}", json(wire)?)?);
         }
-        write!(stdout(), "{}", in_words(report, wire))?;
+        let mending = wire.mending.as_deref().map(mending_text).unwrap_or_default();
+        let before = if stopped.is_none() { mending.as_str() } else { "" };
+        write!(stdout(), "{before}{}", in_words(report, wire))?;
         write!(stdout(), "{}{}", reasons_in_words(wire), truth_in_words(wire))?;
         write!(stdout(), "{}", wire.strain.as_deref().map(strain_in_words).unwrap_or_default())?;
         write!(stdout(), "{}", wire.poses.as_deref().map(poses_in_words).unwrap_or_default())?;
         if let Some(Stopped { why, before }) = stopped {
-            write!(stdout(), "{}\n{}", standstill_text(why), before_in_words(before))?;
+            let longest = attempt.map_or(before, |attempt| &attempt.found);
+            write!(stdout(), "{}\n{mending}{}", standstill_text(why), map_in_words(longest))?;
         }
         Ok(())
     }
@@ -197,7 +216,8 @@ impl Map {
     fn compared(
         &self,
         timetable: &Timetable,
-        session: &Session,
+        abduction: &Abduction,
+        mended: Option<&Attempt>,
         preferred: Option<&export::Preferred>,
     ) -> Result<Option<Truth>, Failure> {
         let Some(file) = &self.truth else { return Ok(None) };
@@ -207,8 +227,13 @@ impl Map {
         let marks: Vec<Mark> =
             read_arrivals(file)?.into_iter().map(|Arrival { place, scan }| Mark { place, scan }).collect();
         let at = timetable.visits_at(&marks.iter().map(|mark| mark.scan).collect::<Vec<_>>());
+        let told = |visit: usize| match mended {
+            Some(mended) => mended.mending.told.iter().position(|told| *told == Some(visit)),
+            None => Some(visit),
+        };
+        let at: Vec<Option<usize>> = at.into_iter().map(|visit| visit.and_then(told)).collect();
         let places = preferred.map(|preferred| preferred.visits.as_slice());
-        Ok(Some(Truth::of(marks, &at, session.abduction().visits(), places)))
+        Ok(Some(Truth::of(marks, &at, abduction.visits(), places)))
     }
 
     /// How far the poses are off, if relations are given.
@@ -325,27 +350,52 @@ fn files(
     report: &Report,
     wire: &export::Report,
     stopped: Option<&Stopped>,
+    attempt: Option<&Attempt>,
 ) -> Result<Vec<(String, Vec<u8>)>, Failure> {
     let mut trace = Vec::new();
     events.iter().try_for_each(|event| write_event(&mut trace, event))?;
     let mut files =
         vec![("trace.ndjson".to_owned(), trace), ("report.json".to_owned(), json(wire)?.into_bytes())];
+    let mending = wire.mending.as_deref();
+    let mended = mending.map(mending_text).unwrap_or_default();
+    let changed = mending.map(|mending| match mending.changes.len() {
+        1 => "; 1 reading changed".to_owned(),
+        count => format!("; {count} readings changed"),
+    });
+    let changed = changed.unwrap_or_default();
     if let Some(stopped) = stopped
-        && let Some(candidate) = stopped.before.minimal.first()
+        && let found = attempt.map_or(&stopped.before, |attempt| &attempt.found)
+        && let Some(candidate) = found.minimal.first()
     {
         let map = MapGraph::of(candidate);
-        let title = format!("Map before observation {}", stopped.why.observation);
-        let words = format!("{}\n{}", standstill_text(&stopped.why), map_text(&map));
+        let (title, said) = match mending {
+            None => {
+                let title = format!("Map before observation {}", stopped.why.observation);
+                (title, "nothing explains what came then".to_owned())
+            }
+            Some(mending) => {
+                let last = (mending.first + mending.explained).saturating_sub(1);
+                let title = format!("Map of observations {} to {last}", mending.first);
+                (title, format!("the longest stretch that a map explains{changed}"))
+            }
+        };
+        let words = format!("{}\n{mended}{}", standstill_text(&stopped.why), map_text(&map));
         files.push(("map.txt".into(), words.into_bytes()));
-        files.push(("map.svg".into(), map_svg(&map, &title, "nothing explains what came then").into_bytes()));
-        files.extend(pictures(stopped, events));
+        files.push(("map.svg".into(), map_svg(&map, &title, &said).into_bytes()));
     }
     if let (Some(candidate), Some(preferred)) = (report.minimal.first(), &wire.preferred) {
         let map = MapGraph::of(candidate);
         let certainty = certainty(&wire.candidates, preferred, wire.minimal.len());
-        files.push(("map.txt".into(), map_text(&map).into_bytes()));
-        files.push(("map.svg".into(), map_svg(&map, "Preferred map", &certainty).into_bytes()));
+        let words = format!("{mended}{}", map_text(&map));
+        files.push(("map.txt".into(), words.into_bytes()));
+        let svg = map_svg(&map, "Preferred map", &format!("{certainty}{changed}"));
+        files.push(("map.svg".into(), svg.into_bytes()));
     }
+    let concerned = stopped.map(|stopped| stopped.why.concerned()).into_iter().flatten();
+    let concerned = concerned.chain(mending.iter().flat_map(|mending| mending.observations_changed()));
+    files.extend(pictures(concerned.collect(), events, &|observation| {
+        mending.map(|mending| mending.remarks(observation)).unwrap_or_default()
+    }));
     Ok(files)
 }
 

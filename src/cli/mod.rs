@@ -19,6 +19,7 @@ mod patchwork;
 mod poses;
 mod relax;
 mod serve;
+mod mending;
 mod standstill;
 mod star_race;
 mod view_race;

@@ -9,7 +9,7 @@ use crate::export::{
 use crate::geometry::Pose;
 use crate::grid::OccupancyGrid;
 use crate::grid::occupancy::MAX_SIDE;
-use crate::patchwork::assembly::{RelaxedDrive, Stop};
+use crate::patchwork::assembly::{Closure, RelaxedDrive, Stop};
 use crate::patchwork::closures::Agreements;
 use crate::patchwork::format::{write_g2o, write_trajectory};
 use crate::patchwork::local_frames::{LocalFrames, LocalFramesError, graph};
@@ -37,12 +37,13 @@ pub(super) struct Trajectories {
     pub(super) by_scans: Vec<(f64, Pose)>,
 }
 
-/// The patchwork of a candidate; nothing where no travel was measured.
+/// The patchwork of a candidate, the visits of which are of these observations; nothing where no travel was measured.
 pub(super) fn patchwork<'a>(
     survey: &'a Survey,
     agreements: &mut Agreements<'_>,
     candidate: &[Assignment],
     way: &'a Way,
+    told: &[Option<usize>],
 ) -> Result<Option<Patchwork<'a>>, LocalFramesError> {
     if !survey.is_measured() {
         return Ok(None);
@@ -53,13 +54,18 @@ pub(super) fn patchwork<'a>(
         return Ok(Some(Patchwork { strain, trajectories: None, survey, way, frames, driven: Vec::new() }));
     }
     // The origin of a visit's frame is the point of its place, not that of its LPM.
-    let stop = |(visit, stop): (usize, &Stop)| {
-        let point = survey.point(visit)?;
+    let stop = |(visit, observation): (usize, &Option<usize>)| {
+        let (stop, point) = (way.stops.get((*observation)?)?, survey.point(visit)?);
         let local_from_visit = stop.local_from_visit.compose(&Pose::new(point.x, point.y, 0.0));
-        Some(Stop { local_from_visit, ..*stop })
+        Some((visit, Stop { local_from_visit, ..*stop }))
     };
-    let stops: Vec<Stop> = way.stops.iter().enumerate().filter_map(stop).collect();
-    let relaxed = RelaxedDrive::new(&way.drive, &stops, &frames.closures)?;
+    let (visits, stops): (Vec<usize>, Vec<Stop>) = told.iter().enumerate().filter_map(stop).unzip();
+    let stop_of = |visit: usize| visits.iter().position(|&other| other == visit);
+    let closures = frames.closures.iter().filter_map(|closure| {
+        let [earlier, later] = closure.visits.map(stop_of);
+        Some(Closure { visits: [earlier?, later?], ..*closure })
+    });
+    let relaxed = RelaxedDrive::new(&way.drive, &stops, &closures.collect::<Vec<_>>())?;
     let trajectories = Some(Trajectories {
         by_map: way.drive.trajectory(&relaxed.by_map.poses),
         by_scans: way.drive.trajectory(&relaxed.by_scans.poses),

@@ -4,12 +4,13 @@ use crate::abduction::{Report, Strategy};
 use crate::cli::failure::Failure;
 use crate::cli::patchwork::or_left_out;
 use crate::explanation::standstill;
-use crate::export::{self, Preferred, Standstill, Ties, extraction_svg, map_text};
+use crate::export::{self, Preferred, Standstill, Ties, extraction_svg_with, map_text};
 use crate::lpm::Lpm;
 use crate::service::{Limits, Session};
 use crate::star::{PerceptionParameters, SmallScaleStar, describe, rejected};
 use crate::trace::perceive::perceive;
 use crate::trace::{Event, EventKind, Experience, Percept};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// What is known where all candidates were refuted.
@@ -52,14 +53,18 @@ fn stars(events: &[Arc<Event>]) -> Vec<SmallScaleStar> {
     sightings.map(|sighting| sighting.star).collect()
 }
 
-/// The map of what was before, in words.
-pub(super) fn before_in_words(before: &Report) -> String {
-    let map = before.minimal.first().map(|candidate| map_text(&export::MapGraph::of(candidate)));
+/// The simplest map that was found, in words.
+pub(super) fn map_in_words(found: &Report) -> String {
+    let map = found.minimal.first().map(|candidate| map_text(&export::MapGraph::of(candidate)));
     map.unwrap_or_default()
 }
 
-/// Pictures of the observations whose readings clash, by name.
-pub(super) fn pictures(stopped: &Stopped, events: &[Arc<Event>]) -> Vec<(String, Vec<u8>)> {
+/// Pictures of some observations, by name, with the remarks on each.
+pub(super) fn pictures(
+    observations: BTreeSet<usize>,
+    events: &[Arc<Event>],
+    remarks: &dyn Fn(usize) -> Vec<String>,
+) -> Vec<(String, Vec<u8>)> {
     let mut way = None;
     let mut lpms = Vec::new();
     for event in events {
@@ -79,8 +84,9 @@ pub(super) fn pictures(stopped: &Stopped, events: &[Arc<Event>]) -> Vec<(String,
         let lpm = lpms.get(observation)?.as_ref()?;
         let parameters = PerceptionParameters::default();
         let place = describe(lpm, &parameters).ok()?;
-        let svg = extraction_svg(&place, &lpm.robot_pose, &rejected(lpm, &place, &parameters));
+        let openings = rejected(lpm, &place, &parameters);
+        let svg = extraction_svg_with(&place, &lpm.robot_pose, &openings, &remarks(observation));
         Some((format!("observation-{observation:02}.svg"), svg.into_bytes()))
     };
-    stopped.why.concerned().into_iter().filter_map(picture).collect()
+    observations.into_iter().filter_map(picture).collect()
 }

@@ -13,11 +13,28 @@ const MAP: f64 = 640.0;
 const LISTING: f64 = 460.0;
 const PADDING: f64 = 20.0;
 const LINE_HEIGHT: f64 = 30.0;
+const REMARK_HEIGHT: f64 = 24.0;
 
 /// An SVG document of a described place, the robot's pose in it, and the openings that are no gateways.
 pub fn extraction_svg(place: &PlaceDescription, robot: &Pose, rejected: &[Rejected]) -> String {
+    extraction_svg_with(place, robot, rejected, &[])
+}
+
+/// The same with remarks below, a line each.
+pub fn extraction_svg_with(
+    place: &PlaceDescription,
+    robot: &Pose,
+    rejected: &[Rejected],
+    remarks: &[String],
+) -> String {
     let (width, height) = panel_size(place);
-    sheet(width, height).add(panel(place, robot, rejected)).to_string()
+    let remark = |(line, words): (usize, &String)| {
+        let below = height + REMARK_HEIGHT * (line as f64 + 0.5);
+        Text::new(words).set("font-size", 15).set("fill", DOUBTFUL).set("x", PADDING).set("y", below)
+    };
+    let sheet = sheet(width, height + REMARK_HEIGHT * remarks.len() as f64);
+    let document = sheet.add(panel(place, robot, rejected));
+    remarks.iter().enumerate().map(remark).fold(document, |document, line| document.add(line)).to_string()
 }
 
 /// Width and height of the drawing of a place, user units.

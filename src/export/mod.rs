@@ -11,6 +11,7 @@ mod explanation_text;
 pub mod answer_set;
 mod graph;
 mod grid;
+mod mending;
 mod outlook;
 mod pose_errors;
 mod poses_svg;
@@ -37,7 +38,7 @@ pub use difference::{Difference, Pairs, Side};
 pub use explanation::{Explanation, Reason, ReasonKind, Rival, Visits};
 pub use explanation_text::{explanation_text, visits_text};
 pub use extraction::Extraction;
-pub use extraction_svg::extraction_svg;
+pub use extraction_svg::{extraction_svg, extraction_svg_with};
 pub use graph::{
     GraphBeside, GraphCrossing, GraphDstate, GraphGateway, GraphPath, GraphPlace, GraphPoses, GraphRegions,
     GraphSegment, MapGraph,
@@ -47,6 +48,7 @@ pub use layout::Layout;
 pub use map_server::{map_pgm, map_png, map_yaml};
 pub use map_svg::map_svg;
 pub use map_text::{map_text, place_type};
+pub use mending::{Mending, Misreading, MisreadingKind, mending_text};
 pub use outlook::{Outlook, PredictedSlot, Prediction, Prospect};
 pub use pose_errors::{PoseError, PoseErrorRow, PoseErrors};
 pub use poses_svg::poses_svg;

@@ -1,7 +1,7 @@
 //! The report of an abduction: the one stable object of `map --json`.
 
 use crate::abduction::{self, AxiomSet, Candidate, OPERATOR, Profile};
-use crate::export::{Explanation, MapStrain, PoseErrors, Standstill, Ties, Truth};
+use crate::export::{Explanation, MapStrain, Mending, PoseErrors, Standstill, Ties, Truth};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use utoipa::ToSchema;
@@ -67,6 +67,10 @@ pub struct Report {
     /// last candidate was refuted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub standstill: Option<Box<Standstill>>,
+    /// The readings that were taken otherwise than they were read; the command line fills it in where no map explains the
+    /// trace as it was read, and changing doubtful readings leads further.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mending: Option<Box<Mending>>,
     /// Wall time of the search; the command line fills it in.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,
@@ -232,6 +236,7 @@ impl Report {
             poses: None,
             strain: None,
             standstill: None,
+            mending: None,
             seconds: None,
         }
     }

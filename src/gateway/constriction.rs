@@ -2,7 +2,8 @@
 //!
 //! A way narrows while the nearest obstacle on one of its sides lies ahead: a corner that the robot is still
 //! driving towards. The gateway is abreast of the last such corner, where the nearest obstacle begins to slide
-//! along a wall instead. On a medial axis this is the first local minimum of clearance outward; on a coast, where
+//! along a wall instead. Within the circle of clearance around the middle nothing stands, so that there a way has narrowed
+//! only where it is narrower than the middle: a wall that ends beside the middle is no gateway across it. On a medial axis this is the first local minimum of clearance outward; on a coast, where
 //! clearance is constant, it is where the wall beyond the opening becomes followable.
 
 use crate::gateway::GatewayParameters;
@@ -40,7 +41,9 @@ pub(super) fn first_constriction(
                 corners.push(corner);
             }
         }
-        if narrows && corners.is_empty() && stays_narrow(way, at, least, parameters) {
+        let clear = (here - way.points[0]).norm() < way.clearance[0];
+        let narrower = !clear || way.clearance[at] < way.clearance[0] - least;
+        if narrows && narrower && corners.is_empty() && stays_narrow(way, at, least, parameters) {
             return at;
         }
     }

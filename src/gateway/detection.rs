@@ -101,11 +101,14 @@ impl Measure<'_> {
         let [left, right] = self.ends(way, *at, &outward);
         let passage = 2.0 * way.narrowest() - info.resolution;
         let to_frame = |point: &Point| info.origin.transform_point(point);
+        let width = (left - right).norm();
         Some(Gateway {
             center: to_frame(&way.points[*at]),
             ends: [to_frame(&left), to_frame(&right)],
             bearing: wrap_angle(bearing(&outward) + info.origin.theta),
-            width: (left - right).norm() - info.resolution,
+            // The ends are cells that are not free, so that they are a cell apart and more.
+            bearing_error: info.resolution / width.max(info.resolution),
+            width: width - info.resolution,
             passage,
             margin: (passage / self.skeleton.passage_width - 1.0).min(self.room_margin(way)).max(0.0),
             beyond: self.beyond(way, *at),

@@ -21,6 +21,9 @@ pub struct Gateway {
     pub ends: [Point; 2],
     /// Outward direction, radians, LPM frame.
     pub bearing: f64,
+    /// How far the bearing may be off, radians: as far as the line between the walls turns when one of its ends moves by a
+    /// cell. On drawn forks that lie anyhow on cells of 10 cm, bearings are off by half of it (root mean square).
+    pub bearing_error: f64,
     /// Clear width at the constriction, metres.
     pub width: f64,
     /// Clear width of the narrowest part of the way out, metres.

@@ -56,7 +56,7 @@ pub enum WireDirection {
 }
 
 /// Control laws of the seed, section 4.3.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize, ToSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[schema(as = ControlLaw)]
 #[serde(rename_all = "snake_case")]
 pub enum WireControl {

@@ -2,11 +2,14 @@
 
 use crate::{ACES_PLACES, found_visits, logs};
 use std::sync::Arc;
+use topostar::abduction::{Abduction, AxiomSet, Limits, Profile, Visit};
 use topostar::geometry::Point;
-use topostar::metric::MetricParameters;
+use topostar::mending::{Bounds, Doubt, mend_longest, readings};
+use topostar::metric::{Measurements, MetricParameters};
 use topostar::patchwork::agreement::{Neighbourhood, Walls};
 use topostar::patchwork::survey::Survey;
 use topostar::star::{LargeScaleStar, PerceptionParameters, describe};
+use topostar::trace::Event;
 use topostar::trace::recording::Recorder;
 use topostar::visit::Stage;
 
@@ -41,6 +44,39 @@ fn places_of_cluttered_buildings_are_found_again() {
         let same = again.iter().filter(|stars| equal(stars)).count();
         println!("{name}: {} visits, {count} places, {} seen again, {same} alike", stages.len(), again.len());
         assert!(stages.len() >= least && again.len() >= revisited && same >= alike, "{name}");
+    }
+}
+
+/// How far changing doubtful readings leads where no map explains them as they are.
+#[test]
+fn doubtful_readings_of_cluttered_buildings_are_mended_as_far_as_they_go() {
+    for (name, as_read, least) in [("aces", 15, 15), ("mit-csail", 13, 18), ("fr079", 2, 8)] {
+        let mut recorder = Recorder::default();
+        let stages = found_visits(&logs::scans(name)).into_iter();
+        let events: Vec<Event> = stages.flat_map(|stage| recorder.add(stage)).collect();
+        let readings = readings(&events, &PerceptionParameters::default()).unwrap();
+        let axioms = AxiomSet::of(Profile::Default);
+        let (mut abduction, mut measured) =
+            (Abduction::new(axioms, Limits::default()), Measurements::default());
+        for reading in &readings {
+            measured = measured.with(&reading.sighting);
+            abduction.observe_measured(&Visit::from(&reading.sighting), measured.evidence()).unwrap();
+        }
+        let widths = abduction.report().candidates_per_observation;
+        assert_eq!(widths.iter().filter(|count| count.value > 0).count(), as_read, "{name}");
+        let found = mend_longest(&readings, axioms, Bounds::default());
+        println!(
+            "{name}: {as_read} of {} as read, {} from {} on with {:?}",
+            readings.len(),
+            found.explained,
+            found.first,
+            found.changes
+        );
+        assert!(
+            found.explained >= least && found.changes.iter().all(|one| one.doubt <= Doubt::LIMIT),
+            "{name}"
+        );
+        assert_eq!(found.changes.is_empty(), name == "aces");
     }
 }
 

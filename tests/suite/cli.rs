@@ -254,7 +254,8 @@ fn where_no_map_goes_on_the_reason_and_the_map_before_are_told() {
     let mut end: Value = serde_json::from_str(&lines[5]).unwrap();
     end["seq"] = 8.into();
     lines[8] = end.to_string();
-    let output = fed(&["map", "-", "-o", folder.path().to_str().unwrap()], lines.join("\n").as_bytes());
+    let walk = ["map", "-", "-o", folder.path().to_str().unwrap()];
+    let output = fed(&[&walk[..], &["--as-read"]].concat(), lines.join("\n").as_bytes());
     assert_eq!(output.status.code(), Some(4), "{}", text(&output.stderr));
     let drawn = |file: &str| std::fs::read_to_string(folder.path().join(file)).unwrap_or_default();
     assert!(drawn("map.svg").contains("Map before observation"));
@@ -263,6 +264,48 @@ fn where_no_map_goes_on_the_reason_and_the_map_before_are_told() {
     let pictures = pictures
         .filter(|file| file.as_ref().unwrap().file_name().to_string_lossy().starts_with("observation-"));
     assert_eq!(pictures.count(), 2);
+}
+
+/// A robot that does not notice a known place on its way comes, as it was read, to where it cannot be.
+#[test]
+fn a_map_with_readings_changed_says_so_everywhere() {
+    let grids = text(&topostar(&["world", "dead-end", "--resolution", "0.1"]).stdout);
+    let mut lines: Vec<&str> = grids.lines().collect();
+    let last = lines[16].replacen("\"seq\":16", "\"seq\":14", 1);
+    lines.truncate(13);
+    lines.extend([r#"{"seq":13,"kind":"travel"}"#, &last]);
+    let walk = lines.join("\n");
+    let folder = tempfile::tempdir().unwrap();
+    let mended = ["map", "-", "-o", folder.path().to_str().unwrap()];
+    let as_read = fed(&["map", "-", "--as-read"], walk.as_bytes());
+    assert_eq!(as_read.status.code(), Some(4), "{}", text(&as_read.stderr));
+    let output = fed(&mended, walk.as_bytes());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let (words, change) =
+        (text(&output.stdout), "on the way to observation 5 the place of observation 1 was passed unseen");
+    for part in [
+        "no map explains the walk as it was read",
+        change,
+        "observations 0 1 2 3 4 unseen 5",
+        "preferred map",
+    ] {
+        assert!(words.contains(part), "{part}: {words}");
+    }
+    let drawn = |file: &str| std::fs::read_to_string(folder.path().join(file)).unwrap_or_default();
+    assert!(drawn("map.txt").contains(change) && drawn("map.svg").contains("1 reading changed"));
+    assert!(drawn("observation-05.svg").contains(change));
+    let report: Value = serde_json::from_str(&drawn("report.json")).unwrap();
+    let mending = &report["mending"];
+    let [observations, explained, first] =
+        ["observations", "explained", "first"].map(|name| mending[name].as_u64());
+    assert_eq!((observations, explained, first), (Some(6), Some(6), Some(0)));
+    assert_eq!(
+        (&mending["changes"][0]["kind"], &mending["changes"][0]["like"]),
+        (&"missed".into(), &1.into())
+    );
+    assert_eq!(mending["told"], serde_json::json!([0, 1, 2, 3, 4, null, 5]));
+    assert_eq!(report["preferred"]["visits"].as_array().unwrap().len(), 7);
+    assert!(report.get("standstill").is_none());
 }
 
 #[test]

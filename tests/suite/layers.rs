@@ -25,6 +25,7 @@ const MATRIX: &[(&str, Imports)] = &[
     ("classic", Only(&["abduction"])),
     ("reference", Only(&["geometry", "star", "trace", "abduction", "metric", "classic"])),
     ("explanation", Only(&["star", "map", "abduction"])),
+    ("mending", Only(&["geometry", "lpm", "star", "trace", "abduction", "metric"])),
     ("export", AllBut(&["sensor", "visit", "metric"])),
     ("service", AllBut(&["sensor", "visit", "worlds", "reference"])),
     ("cli", AllBut(&[])),
@@ -63,6 +64,7 @@ const CORE: &[&str] = &[
     "reference",
     "classic",
     "explanation",
+    "mending",
 ];
 const NOT_IN_CORE: &[&str] = &[
     "serde",

@@ -1,0 +1,209 @@
+//! How the visits of a walk may be taken, and what they tell then.
+
+use crate::mending::joining::joined;
+use crate::mending::likening::{Change, ChangeKind, Likening, likenings, passing};
+use crate::mending::{Doubt, Reading, Sum, Told};
+use crate::star::SlotIndex;
+use crate::trace::Sighting;
+
+/// How a visit is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Taken {
+    pub(super) choice: Choice,
+    /// A place passed unseen on the way to it.
+    pub(super) missed: Option<Missed>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Choice {
+    AsRead,
+    /// By one of its likenings.
+    Likened(usize),
+    /// For none: the robot was on its way.
+    Passed,
+}
+
+/// The place of a visit that is taken as it was read, passed along one of its paths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Missed {
+    like: usize,
+    along: SlotIndex,
+}
+
+const AS_READ: Taken = Taken { choice: Choice::AsRead, missed: None };
+
+/// All ways of taking visits.
+pub(super) struct Takings<'a> {
+    readings: &'a [Reading],
+    /// For each visit, all ways of likening it to another.
+    likenings: Vec<Vec<Likening>>,
+    /// For each visit, what must be changed for it to be none, if it may be.
+    passings: Vec<Option<Vec<Change>>>,
+}
+
+impl<'a> Takings<'a> {
+    pub(super) fn new(readings: &'a [Reading]) -> Takings<'a> {
+        let visits = 0..readings.len();
+        let others = |visit: usize| visits.clone().filter(move |&other| other != visit);
+        let of = |visit: usize| others(visit).flat_map(|other| likenings(readings, visit, other)).collect();
+        Takings {
+            readings,
+            likenings: visits.clone().map(of).collect(),
+            passings: visits.clone().map(|visit| passing(readings, visit)).collect(),
+        }
+    }
+
+    /// All ways of going on by a visit, each with how many visits of it are taken as before: the next one is taken in any
+    /// way, or as it was read, and one before is likened to it or comes behind its place.
+    pub(super) fn next(&self, taken: &[Taken]) -> Vec<(usize, Vec<Taken>)> {
+        let visit = taken.len();
+        let Some(likenings) = self.likenings.get(visit) else { return Vec::new() };
+        let free = |other: usize| taken.get(other).is_some_and(|one| one.choice == Choice::AsRead);
+        let likened = (0..likenings.len()).filter(|&k| free(likenings[k].target)).map(Choice::Likened);
+        let passed = self.passings[visit].as_ref().map(|_| Choice::Passed);
+        let choices = likened.chain(passed).map(|choice| Taken { choice, ..AS_READ });
+        let known = (0..visit).filter(|&other| free(other));
+        let missed = known.flat_map(|like| self.passed_along(like));
+        let missed = missed.map(|missed| Taken { missed: Some(missed), ..AS_READ });
+        let ahead = [AS_READ].into_iter().chain(choices).chain(missed);
+        let all = ahead.map(|next| (visit, [taken, &[next]].concat()));
+        let revised = self.revisions(taken).into_iter().map(|(at, instead)| {
+            let mut all = [taken, &[AS_READ]].concat();
+            all[at] = instead;
+            (at, all)
+        });
+        all.chain(revised).collect()
+    }
+
+    /// What the next visit may teach about those before: how one of them is taken instead.
+    fn revisions(&self, taken: &[Taken]) -> Vec<(usize, Taken)> {
+        let visit = taken.len();
+        let mut found = Vec::new();
+        for (at, &before) in taken.iter().enumerate() {
+            let free = before.choice == Choice::AsRead && !self.is_target(taken, at);
+            let likenings =
+                self.likenings[at].iter().enumerate().filter(|(_, one)| free && one.target == visit);
+            found.extend(likenings.map(|(k, _)| (at, Taken { choice: Choice::Likened(k), ..before })));
+            if at > 0 && before.choice != Choice::Passed && before.missed.is_none() {
+                let missed = self.passed_along(visit).into_iter();
+                found.extend(missed.map(|missed| (at, Taken { missed: Some(missed), ..before })));
+            }
+        }
+        found
+    }
+
+    /// The ways of passing the place of a visit along a path unseen.
+    fn passed_along(&self, like: usize) -> Vec<Missed> {
+        if !self.readings.iter().all(|reading| reading.found) {
+            return Vec::new();
+        }
+        let star = &self.readings[like].sighting.star;
+        let through =
+            star.indices().zip(star.slots()).filter(|(_, s)| s.outward.is_some() && s.inward.is_some());
+        through.map(|(along, _)| Missed { like, along }).collect()
+    }
+
+    /// Whether something is like a visit.
+    fn is_target(&self, taken: &[Taken], visit: usize) -> bool {
+        let likened = |at: usize| self.likening(taken, at).is_some_and(|one| one.target == visit);
+        let missed = |one: &Taken| one.missed.is_some_and(|missed| missed.like == visit);
+        taken.iter().any(missed) || (0..taken.len()).any(likened)
+    }
+
+    fn likening(&self, taken: &[Taken], visit: usize) -> Option<&Likening> {
+        match taken.get(visit)?.choice {
+            Choice::Likened(k) => self.likenings[visit].get(k),
+            Choice::AsRead | Choice::Passed => None,
+        }
+    }
+
+    pub(super) fn changes(&self, taken: &[Taken]) -> Vec<Change> {
+        (0..taken.len()).flat_map(|visit| self.changes_at(taken, visit)).collect()
+    }
+
+    fn changes_at(&self, taken: &[Taken], visit: usize) -> Vec<Change> {
+        let missed = taken[visit].missed.map(|Missed { like, .. }| Change {
+            observation: visit,
+            slot: None,
+            bearing: None,
+            kind: ChangeKind::Missed,
+            doubt: Doubt::LIMIT,
+            like: Some(like),
+        });
+        let own: &[Change] = match taken[visit].choice {
+            Choice::AsRead => &[],
+            Choice::Likened(k) => &self.likenings[visit][k].changes,
+            Choice::Passed => self.passings[visit].as_deref().unwrap_or_default(),
+        };
+        missed.into_iter().chain(own.iter().cloned()).collect()
+    }
+
+    pub(super) fn sum(&self, taken: &[Taken]) -> Sum {
+        Sum::default().and(self.changes(taken).iter().map(|change| change.doubt))
+    }
+
+    /// The visits of a walk as they are taken.
+    pub(super) fn told(&self, taken: &[Taken]) -> Vec<Told> {
+        (0..taken.len()).flat_map(|visit| self.told_at(taken, visit)).collect()
+    }
+
+    /// What an observation tells, after the place that was passed on the way to it; nothing where it is none.
+    pub(super) fn told_at(&self, taken: &[Taken], visit: usize) -> Vec<Told> {
+        let Taken { choice, missed } = taken[visit];
+        if choice == Choice::Passed {
+            return Vec::new();
+        }
+        let mut sighting = self.sighting(taken, visit);
+        let passed = missed.map(|Missed { like, along }| {
+            let departure = sighting.departure.replace(along);
+            sighting.motion = None;
+            let place = self.readings[like].sighting.clone();
+            Told {
+                observation: None,
+                sighting: Sighting { arrival: along, departure, motion: None, ..place },
+            }
+        });
+        passed.into_iter().chain([Told { observation: Some(visit), sighting }]).collect()
+    }
+
+    /// An observation with the travel from the last one that is taken for a visit to a place.
+    fn sighting(&self, taken: &[Taken], visit: usize) -> Sighting {
+        let read = &self.readings[visit].sighting;
+        let mut sighting = self.likening(taken, visit).map_or(read, |likening| &likening.sighting).clone();
+        sighting.departure = read.departure;
+        for before in (0..visit).rev() {
+            if taken[before].choice != Choice::Passed {
+                let likening = self.likening(taken, before);
+                sighting.departure = likening.map_or(sighting.departure, |likening| likening.departure);
+                break;
+            }
+            let passed = &self.readings[before].sighting;
+            sighting.departure = passed.departure;
+            sighting.motion = sighting.motion.and_then(|motion| joined(passed, &motion));
+        }
+        sighting
+    }
+
+    /// The pairs of visits told that are one place as the latest observation is taken, or those before for its sake.
+    pub(super) fn one_place(&self, taken: &[Taken], visit: usize) -> Vec<[usize; 2]> {
+        let told = |visit: usize| self.position(taken, visit);
+        let target = |at: usize| self.likening(taken, at).map(|one| one.target);
+        let mut pairs: Vec<[usize; 2]> =
+            (0..visit).filter(|&at| target(at) == Some(visit)).map(|at| [told(at), told(visit)]).collect();
+        pairs.extend(target(visit).filter(|&other| other < visit).map(|other| [told(other), told(visit)]));
+        for (at, one) in taken.iter().enumerate() {
+            let Some(Missed { like, .. }) = one.missed else { continue };
+            if (like == visit && at <= visit) || (at == visit && like < visit) {
+                pairs.push([told(at) - 1, told(like)]);
+            }
+        }
+        pairs
+    }
+
+    /// Which of the visits told an observation is, if it is one.
+    fn position(&self, taken: &[Taken], visit: usize) -> usize {
+        let places = taken[..=visit].iter().filter(|one| one.choice != Choice::Passed).count();
+        let missed = taken[..=visit].iter().filter(|one| one.missed.is_some()).count();
+        (places + missed).saturating_sub(1)
+    }
+}
