@@ -8,14 +8,13 @@ use crate::cli::failure::Failure;
 use crate::cli::input::{Events, read_arrivals, read_events};
 use crate::cli::log::{LogArgs, is_log};
 use crate::cli::mending::{Attempt, attempt};
-use crate::cli::patchwork::{Patchwork, or_left_out, patchwork, strain_in_words};
+use crate::cli::patchwork::{Patchwork, or_left_out, patchwork, rank, strain_in_words};
 use crate::cli::poses::{pose_errors, poses_in_words};
 use crate::cli::standstill::{Stopped, map_in_words, pictures, stopped};
 use crate::cli::words::{certainty, in_words, reasons_in_words, truth_in_words};
 use crate::explanation::{Verdict, verdict as verdict_of};
 use crate::export::{
-    self, Explanation, MapGraph, Mark, PoseErrors, Ties, Truth, map_svg, map_text, mending_text,
-    standstill_text,
+    self, Explanation, MapGraph, Mark, PoseErrors, Truth, map_svg, map_text, mending_text, standstill_text,
 };
 use crate::service::{Limits, MapConfig, Session, SessionError};
 use crate::trace::recording::Arrival;
@@ -127,8 +126,7 @@ impl Map {
         let abduction = whole.map_or(session.abduction(), |whole| &whole.abduction);
         let survey = attempt.map_or(&**session.survey(), |attempt| &attempt.survey);
         let (mut report, mut agreements) = (abduction.report(), survey.agreements());
-        let ties =
-            or_left_out("the strain of ties", Ties::rank(&mut report, survey, &mut agreements, &|| false));
+        let ties = rank(&mut report, survey, &mut agreements);
         let mut wire = export::Report::new(&report);
         wire.ties = ties;
         wire.explain = self.reasons(abduction, &report)?.map(Box::new);

@@ -2,8 +2,8 @@
 
 use crate::abduction::{self, Abduction, Report, StopReason, Strategy, Visit};
 use crate::cli::failure::Failure;
-use crate::cli::patchwork::or_left_out;
-use crate::export::{Mending, Ties};
+use crate::cli::patchwork::rank;
+use crate::export::Mending;
 use crate::mending::{Bounds, Mended, Told, mend_longest, readings};
 use crate::patchwork::survey::Survey;
 use crate::service::{MapConfig, Session};
@@ -42,7 +42,7 @@ pub(super) fn attempt(session: &Session, events: &[Arc<Event>]) -> Result<Option
     }
     let (abduction, survey) = explained(&mended, events, session.config()).map_err(|e| broken(&e))?;
     let mut found = abduction.report();
-    or_left_out("the strain of ties", Ties::rank(&mut found, &survey, &mut survey.agreements(), &|| false));
+    rank(&mut found, &survey, &mut survey.agreements());
     let mending = Mending::of(&mended, readings.len(), &found);
     Ok(Some(Attempt { mending, abduction, survey, found }))
 }

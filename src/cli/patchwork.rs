@@ -1,20 +1,21 @@
 //! The patchwork of a map: where its places lie, what strains them, and one grid of all that was seen.
 
-use crate::abduction::Assignment;
+use crate::abduction::{Assignment, Report};
 use crate::cli::failure::Failure;
 use crate::cli::input::Way;
 use crate::export::{
-    MapStrain, RelaxationOutcome, StrainSum, WallsCompared, WayRelaxed, WayStrain, map_png, map_yaml,
+    self, MapStrain, RelaxationOutcome, StrainSum, WallsCompared, WayRelaxed, WayStrain, map_png, map_yaml,
 };
 use crate::geometry::Pose;
 use crate::grid::OccupancyGrid;
 use crate::grid::occupancy::MAX_SIDE;
-use crate::patchwork::assembly::{Closure, RelaxedDrive, Stop};
-use crate::patchwork::closures::Agreements;
+use crate::patchwork::assembly::{RelaxedDrive, Stop};
+use crate::patchwork::closures::{Agreements, Closure};
 use crate::patchwork::format::{write_g2o, write_trajectory};
 use crate::patchwork::local_frames::{LocalFrames, LocalFramesError, graph};
 use crate::patchwork::merged::{Canvas, MergeError};
 use crate::patchwork::survey::Survey;
+use crate::patchwork::ties::Ties;
 
 /// Side of a cell of the patchwork's grid, metres.
 const RESOLUTION: f64 = 0.05;
@@ -143,6 +144,16 @@ pub(super) fn strain_in_words(MapStrain { strain, way, .. }: &MapStrain) -> Stri
         );
     }
     text
+}
+
+/// Puts maps that are equally simple in the order of what strains them, or tells people why not; what does.
+pub(super) fn rank(
+    found: &mut Report,
+    survey: &Survey,
+    agreements: &mut Agreements<'_>,
+) -> Option<export::Ties> {
+    let ties = or_left_out("the strain of ties", Ties::rank(found, survey, agreements, &|| false))?;
+    Some(export::Ties::of(&ties))
 }
 
 /// What is made beside a map, or people are told why it is left out: the map does not depend on it.

@@ -2,9 +2,9 @@
 
 use crate::abduction::{Report, Strategy};
 use crate::cli::failure::Failure;
-use crate::cli::patchwork::or_left_out;
+use crate::cli::patchwork::rank;
 use crate::explanation::standstill;
-use crate::export::{self, Preferred, Standstill, Ties, extraction_svg_with, map_text};
+use crate::export::{self, Preferred, Standstill, extraction_svg_with, map_text};
 use crate::lpm::Lpm;
 use crate::service::{Limits, Session};
 use crate::star::{PerceptionParameters, SmallScaleStar, describe, rejected};
@@ -35,7 +35,7 @@ pub(super) fn stopped(
     let broken = |error: &dyn std::fmt::Display| Failure::Broken(error.to_string());
     let before = Session::replay(session.config(), limits, &events[..fatal]).map_err(|e| broken(&e))?;
     let (survey, mut before) = (Arc::clone(before.survey()), before.abduction().report());
-    or_left_out("the strain of ties", Ties::rank(&mut before, &survey, &mut survey.agreements(), &|| false));
+    rank(&mut before, &survey, &mut survey.agreements());
     let (Some(simplest), Some(preferred)) = (before.minimal.first(), Preferred::of(&before)) else {
         return Ok(None);
     };

@@ -1,9 +1,5 @@
 //! Maps that are equally simple, and what strains them.
 
-use crate::abduction;
-use crate::patchwork::closures::Agreements;
-use crate::patchwork::local_frames::LocalFramesError;
-use crate::patchwork::survey::Survey;
 use crate::patchwork::ties::{self, Doubt};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::LN_10;
@@ -51,16 +47,6 @@ impl Ties {
             ordered_by: if ties.by_strain { TieOrder::Strain } else { TieOrder::Assignment },
             strains: ties.doubts.iter().map(|doubt| doubt.as_ref().map(TieStrain::of)).collect(),
         }
-    }
-
-    /// [`ties::Ties::rank`] in its wire form.
-    pub fn rank(
-        found: &mut abduction::Report,
-        survey: &Survey,
-        agreements: &mut Agreements<'_>,
-        interrupted: &dyn Fn() -> bool,
-    ) -> Result<Option<Ties>, LocalFramesError> {
-        Ok(ties::Ties::rank(found, survey, agreements, interrupted)?.as_ref().map(Ties::of))
     }
 }
 
