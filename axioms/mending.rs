@@ -163,7 +163,7 @@ fn an_opening_is_a_gateway_where_it_lies_if_it_is_nearly_one_or_was_gone_through
     // The robot comes from the other side, so that all is turned by half a turn.
     let there = -FRAC_PI_2;
     assert_eq!(opened(there, Some(Doubt(150)), &[]), (4, vec![ChangeKind::Added], 150));
-    assert_eq!(opened(there, None, &[3]), (4, vec![ChangeKind::Driven], 0));
+    assert_eq!(opened(there, None, &[3]), (4, vec![ChangeKind::Driven], 200));
     assert_eq!(opened(there, None, &[]), (3, vec![], 0));
     assert_eq!(opened(-there, Some(Doubt(150)), &[3]), (3, vec![], 0), "it lies on the other side");
 }

@@ -122,15 +122,14 @@ impl Map {
         let Explained { events, session, fault } = self.search(input, axioms, strategy)?;
         let attempt = if self.as_read { None } else { attempt(&session, &events)? };
         let attempt = attempt.as_ref();
-        let whole = attempt.filter(|attempt| attempt.is_whole());
-        let abduction = whole.map_or(session.abduction(), |whole| &whole.abduction);
-        let survey = attempt.map_or(&**session.survey(), |attempt| &attempt.survey);
+        let (abduction, survey) =
+            (session.abduction(), attempt.map_or(&**session.survey(), |attempt| &attempt.survey));
         let (mut report, mut agreements) = (abduction.report(), survey.agreements());
         let ties = rank(&mut report, survey, &mut agreements);
         let mut wire = export::Report::new(&report);
         wire.ties = ties;
         wire.explain = self.reasons(abduction, &report)?.map(Box::new);
-        wire.truth = self.compared(&timetable, abduction, whole, wire.preferred.as_ref())?.map(Box::new);
+        wire.truth = self.compared(&timetable, abduction, wire.preferred.as_ref())?.map(Box::new);
         let shown = report.minimal.first().or(attempt.and_then(|attempt| attempt.found.minimal.first()));
         let told = |map: &Candidate| match attempt {
             Some(attempt) => attempt.mending.told.clone(),
@@ -142,7 +141,7 @@ impl Map {
         let strain = patchwork.as_ref().filter(|_| wire.preferred.is_some());
         wire.strain = strain.map(|patchwork| Box::new(patchwork.strain.clone()));
         wire.poses = self.pose_errors(&track, patchwork.as_ref())?.map(Box::new);
-        let stopped = if whole.is_none() { stopped(&session, &events, limits())? } else { None };
+        let stopped = stopped(&session, &events, limits())?;
         wire.standstill = stopped.as_ref().map(|stopped| Box::new(stopped.why.clone()));
         wire.mending = attempt.map(|attempt| Box::new(attempt.mending.clone()));
         wire.seconds = Some(started.elapsed().as_secs_f64());
@@ -168,8 +167,7 @@ impl Map {
             return Ok(writeln!(stdout(), "{}", json(wire)?)?);
         }
         let mending = wire.mending.as_deref().map(mending_text).unwrap_or_default();
-        let before = if stopped.is_none() { mending.as_str() } else { "" };
-        write!(stdout(), "{before}{}", in_words(report, wire))?;
+        write!(stdout(), "{}", in_words(report, wire))?;
         write!(stdout(), "{}{}", reasons_in_words(wire), truth_in_words(wire))?;
         write!(stdout(), "{}", wire.strain.as_deref().map(strain_in_words).unwrap_or_default())?;
         write!(stdout(), "{}", wire.poses.as_deref().map(poses_in_words).unwrap_or_default())?;
@@ -215,7 +213,6 @@ impl Map {
         &self,
         timetable: &Timetable,
         abduction: &Abduction,
-        mended: Option<&Attempt>,
         preferred: Option<&export::Preferred>,
     ) -> Result<Option<Truth>, Failure> {
         let Some(file) = &self.truth else { return Ok(None) };
@@ -225,11 +222,6 @@ impl Map {
         let marks: Vec<Mark> =
             read_arrivals(file)?.into_iter().map(|Arrival { place, scan }| Mark { place, scan }).collect();
         let at = timetable.visits_at(&marks.iter().map(|mark| mark.scan).collect::<Vec<_>>());
-        let told = |visit: usize| match mended {
-            Some(mended) => mended.mending.told.iter().position(|told| *told == Some(visit)),
-            None => Some(visit),
-        };
-        let at: Vec<Option<usize>> = at.into_iter().map(|visit| visit.and_then(told)).collect();
         let places = preferred.map(|preferred| preferred.visits.as_slice());
         Ok(Some(Truth::of(marks, &at, abduction.visits(), places)))
     }
@@ -374,7 +366,9 @@ fn files(
             Some(mending) => {
                 let last = (mending.first + mending.explained).saturating_sub(1);
                 let title = format!("Map of observations {} to {last}", mending.first);
-                (title, format!("the longest stretch that a map explains{changed}"))
+                let all = mending.explained == mending.observations;
+                let what = if all { "all of them" } else { "the longest stretch that a map explains" };
+                (title, format!("{what}{changed}"))
             }
         };
         let words = format!("{}\n{mended}{}", standstill_text(&stopped.why), map_text(&map));
@@ -384,9 +378,8 @@ fn files(
     if let (Some(candidate), Some(preferred)) = (report.minimal.first(), &wire.preferred) {
         let map = MapGraph::of(candidate);
         let certainty = certainty(&wire.candidates, preferred, wire.minimal.len());
-        let words = format!("{mended}{}", map_text(&map));
-        files.push(("map.txt".into(), words.into_bytes()));
-        let svg = map_svg(&map, "Preferred map", &format!("{certainty}{changed}"));
+        files.push(("map.txt".into(), map_text(&map).into_bytes()));
+        let svg = map_svg(&map, "Preferred map", &certainty);
         files.push(("map.svg".into(), svg.into_bytes()));
     }
     let concerned = stopped.map(|stopped| stopped.why.concerned()).into_iter().flatten();

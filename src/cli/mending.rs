@@ -11,24 +11,18 @@ use crate::star::PerceptionParameters;
 use crate::trace::{Event, EventKind, Observation, Percept};
 use std::sync::Arc;
 
-/// What changing doubtful readings leads to.
+/// What changing doubtful readings leads to. It stands beside the answer for the trace as it was read, never for it.
 pub(super) struct Attempt {
     /// What was changed.
     pub(super) mending: Mending,
-    /// What explains the visits with the changes, all of them or the longest beginning found.
-    pub(super) abduction: Abduction,
     /// What these visits tell the patchwork.
     pub(super) survey: Survey,
-    /// The report of that, ties in order.
+    /// What explains the visits with the changes, all of them or the longest stretch found, ties in order.
     pub(super) found: Report,
 }
 
-impl Attempt {
-    /// Whether some map explains the whole trace with the changes.
-    pub(super) fn is_whole(&self) -> bool {
-        self.mending.explained == self.mending.observations
-    }
-}
+/// Walks of more visits are not mended: each is likened to every other, from each observation on.
+const MOST_MENDED: usize = 256;
 
 /// Looks for readings to change; nothing where there is a map, where something other than the axioms ended the search, where
 /// the operator has spoken, and where no change leads further.
@@ -36,6 +30,13 @@ pub(super) fn attempt(session: &Session, events: &[Arc<Event>]) -> Result<Option
     let Some(stuck) = stuck(&session.abduction().report()) else { return Ok(None) };
     let broken = |error: &dyn std::fmt::Display| Failure::Broken(error.to_string());
     let readings = readings(events, &PerceptionParameters::default()).map_err(|e| broken(&e))?;
+    if readings.len() > MOST_MENDED {
+        eprintln!(
+            "readings are not mended: there are {} observations, more than {MOST_MENDED}",
+            readings.len()
+        );
+        return Ok(None);
+    }
     let mended = mend_longest(&readings, session.config().axioms, Bounds::default());
     if mended.explained <= stuck {
         return Ok(None);
@@ -44,7 +45,7 @@ pub(super) fn attempt(session: &Session, events: &[Arc<Event>]) -> Result<Option
     let mut found = abduction.report();
     rank(&mut found, &survey, &mut survey.agreements());
     let mending = Mending::of(&mended, readings.len(), &found);
-    Ok(Some(Attempt { mending, abduction, survey, found }))
+    Ok(Some(Attempt { mending, survey, found }))
 }
 
 /// The observation that nothing explains, if that is to be mended.

@@ -20,14 +20,15 @@ pub struct Mending {
     pub explained: usize,
     /// The sum of the margins that the changes overrule; a place passed unseen counts as the most doubtful of them may.
     pub doubt: f64,
-    /// Whether no changes of less doubt explain as many; false where a limit cut the search for them.
+    /// Whether none of the changes that are looked for explain as many with less doubt; false where a limit cut the search.
     pub proven: bool,
     /// The changes, by observation.
     pub changes: Vec<Misreading>,
     /// The observation of each visit of the map, in order; null at a place that the robot passed unseen. An observation that
-    /// is not among them is of no place. Numbers of visits everywhere else in a report count these visits.
+    /// is not among them is of no place.
     pub told: Vec<Option<usize>>,
-    /// The preferred map of the observations explained, where these are not all; else that is the preferred map itself.
+    /// The preferred map of the observations explained, with the changes. The preferred map of the report itself stays null, as
+    /// nothing explains the trace as it was read; what is called proven here is so if the changes are right.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub map: Option<Preferred>,
 }
@@ -91,7 +92,7 @@ impl Mending {
             proven: mended.proven,
             changes: mended.changes.iter().map(Misreading::of).collect(),
             told: mended.told.iter().map(|told| told.observation).collect(),
-            map: if explained < observations { Preferred::of(found) } else { None },
+            map: Preferred::of(found),
         }
     }
 }
@@ -196,7 +197,10 @@ pub fn mending_text(mending: &Mending) -> String {
     }
     if !whole {
         let left = observations - explained;
-        let _ = writeln!(text, "  {left} observations are left, which nothing explains together with these");
+        let _ = writeln!(
+            text,
+            "  {left} observations are left, which nothing found explains together with these"
+        );
     }
     text + "\n"
 }
@@ -205,7 +209,7 @@ fn changes_text(Mending { doubt, proven, changes, .. }: &Mending) -> String {
     if changes.is_empty() {
         return " as it was read\n".into();
     }
-    let least = if *proven { "there are" } else { "found" };
+    let least = if *proven { "that are looked for" } else { "found" };
     let head = format!(
         " with these readings changed, the least doubtful changes {least} (doubt {:.0} % in all):\n",
         100.0 * doubt

@@ -3,8 +3,9 @@
 //! A way narrows while the nearest obstacle on one of its sides lies ahead: a corner that the robot is still
 //! driving towards. The gateway is abreast of the last such corner, where the nearest obstacle begins to slide
 //! along a wall instead. Within the circle of clearance around the middle nothing stands, so that there a way has narrowed
-//! only where it is narrower than the middle: a wall that ends beside the middle is no gateway across it. On a medial axis this is the first local minimum of clearance outward; on a coast, where
-//! clearance is constant, it is where the wall beyond the opening becomes followable.
+//! only where it is narrower than the middle: a wall that ends beside the middle is no gateway across it. On a medial
+//! axis this is the first local minimum of clearance outward; on a coast, where clearance is constant, it is where the wall
+//! beyond the opening becomes followable.
 
 use crate::gateway::GatewayParameters;
 use crate::gateway::way::{Way, local};

@@ -45,7 +45,8 @@ pub enum ChangeKind {
     Dropped,
     /// An opening that was a little too narrow is a gateway.
     Added,
-    /// An opening too narrow for a gateway is one, because the robot went through it on another visit.
+    /// An opening too narrow for a gateway is one, because the robot went through it on another visit. That is as doubtful as
+    /// anything may be: whether it is the same opening is what is to be found out.
     Driven,
     /// A gateway is none, and without it the place is none: the robot was on its way along a path.
     Passed,
@@ -72,6 +73,8 @@ impl Likening {
     }
 }
 
+/// Readings of more gateways are left as they are.
+const MOST_GATES: usize = 16;
 /// So many gateways are dropped, and so many added, at most.
 const MOST_CHANGED: usize = 2;
 /// An opening lies no further than an eighth of a turn from where the other visit has its gateway.
@@ -80,6 +83,9 @@ const OPENING_TOLERANCE: f64 = FRAC_PI_4;
 /// All ways of likening a visit to another one, the least doubtful first.
 pub(super) fn likenings(readings: &[Reading], visit: usize, target: usize) -> Vec<Likening> {
     let Some(pair) = Pair::new(readings, visit, target) else { return Vec::new() };
+    if pair.gates.iter().any(|gates| gates.len() > MOST_GATES) {
+        return Vec::new();
+    }
     let mut found: Vec<Likening> = pair.layings().iter().filter_map(|laying| pair.likened(laying)).collect();
     found.sort_by_key(Likening::sum);
     found
@@ -244,7 +250,7 @@ impl<'a> Pair<'a> {
         new.map(|((gate, _), opening)| {
             let opening = (*opening)?;
             let (kind, doubt) = match self.like.driven.contains(gate) {
-                true => (ChangeKind::Driven, Doubt(0)),
+                true => (ChangeKind::Driven, Doubt::LIMIT),
                 false => (ChangeKind::Added, opening.doubt?),
             };
             let (observation, like) = (self.visit, Some(self.target));

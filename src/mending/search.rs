@@ -12,7 +12,7 @@ use std::rc::Rc;
 /// What a search for changes may use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bounds {
-    /// The most beginnings of the walk that are looked at.
+    /// The most beginnings of the walk that are looked at, from all observations together.
     pub max_steps: usize,
     /// The most candidates kept of each.
     pub max_candidates: usize,
@@ -62,6 +62,11 @@ pub struct Told {
 /// looked for is what a later visit would have to teach for the walk to come that far. Law: with nothing to change it costs
 /// one beginning a visit, and the same readings always give the same changes.
 pub fn mend(readings: &[Reading], axioms: AxiomSet, bounds: Bounds) -> Mended {
+    mend_within(readings, axioms, bounds).0
+}
+
+/// The same, and how many steps are left.
+fn mend_within(readings: &[Reading], axioms: AxiomSet, bounds: Bounds) -> (Mended, usize) {
     let mut search = Search {
         takings: Takings::new(readings),
         agenda: BTreeMap::new(),
@@ -81,20 +86,22 @@ pub fn mend(readings: &[Reading], axioms: AxiomSet, bounds: Bounds) -> Mended {
         }
     }
     let taken = &best.taken;
-    Mended {
+    let mended = Mended {
         first: 0,
         explained: taken.len(),
         told: search.takings.told(taken),
         changes: search.takings.changes(taken),
         sum: search.takings.sum(taken),
         proven: search.whole,
-    }
+    };
+    (mended, search.steps_left)
 }
 
 /// The longest stretch of a walk that changes as [`mend`] finds them lead some map to explain: from the first observation
 /// on, or where these come to an end, from the later one that leads furthest, the first of such.
 pub fn mend_longest(readings: &[Reading], axioms: AxiomSet, bounds: Bounds) -> Mended {
-    let mut longest = mend(readings, axioms, bounds);
+    let (mut longest, mut left) = mend_within(readings, axioms, bounds);
+    let mut proven = longest.proven;
     for first in 1..readings.len() {
         if readings.len() - first <= longest.explained {
             break;
@@ -102,12 +109,14 @@ pub fn mend_longest(readings: &[Reading], axioms: AxiomSet, bounds: Bounds) -> M
         let mut part = readings[first..].to_vec();
         // Nothing is known of how the robot came there.
         (part[0].sighting.departure, part[0].sighting.motion) = (None, None);
-        let found = mend(&part, axioms, bounds);
+        let bounds = Bounds { max_steps: left, ..bounds };
+        let (found, after) = mend_within(&part, axioms, bounds);
+        (left, proven) = (after, proven && found.proven);
         if found.explained > longest.explained {
             longest = found.later_by(first);
         }
     }
-    longest
+    Mended { proven, ..longest }
 }
 
 impl Mended {
@@ -155,6 +164,9 @@ impl Beginning {
     }
 }
 
+/// At most so many ways of going on wait, the most doubtful given up first: some hundreds of megabytes on the longest walks.
+const MOST_DUE: usize = 20_000;
+
 /// What comes first: the least sum, then the longest, then what was offered first.
 type Key = (Sum, Reverse<usize>, usize);
 
@@ -190,6 +202,10 @@ impl Search<'_> {
             self.offered += 1;
             let key = (self.takings.sum(&taken), Reverse(taken.len()), self.offered);
             self.agenda.insert(key, Due { from: Rc::clone(from), shared, taken });
+            if self.agenda.len() > MOST_DUE {
+                self.whole = false;
+                self.agenda.pop_last();
+            }
         }
     }
 
