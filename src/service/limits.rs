@@ -26,6 +26,14 @@ pub struct Limits {
     pub cells_per_answer: usize,
     /// How long the relaxation of a candidate and the making of its grid may take.
     pub patchwork_time: Duration,
+    /// How long either of these may take as a job.
+    pub job_time: Duration,
+    /// Jobs in all, those that have ended and are kept among them.
+    pub jobs: usize,
+    /// How long a job is kept that has ended.
+    pub job_kept: Duration,
+    /// Bytes of what kept jobs made; what was made last is kept, however large.
+    pub job_bytes: usize,
     /// Bytes of a configuration.
     pub config_bytes: usize,
     /// Bytes of a JSON body of events. An NDJSON body is bounded by its lines only.
@@ -63,6 +71,10 @@ impl Default for Limits {
             settling: Duration::from_secs(10),
             cells_per_answer: 8 * 1024 * 1024,
             patchwork_time: Duration::from_secs(20),
+            job_time: Duration::from_secs(600),
+            jobs: 64,
+            job_kept: Duration::from_secs(3600),
+            job_bytes: 256 * 1024 * 1024,
             config_bytes: 64 * 1024,
             json_bytes: 64 * 1024 * 1024,
             line_bytes: MAX_LINE as usize,

@@ -6,7 +6,7 @@ use crate::service::{
 };
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use thiserror::Error;
 use tokio::sync::{Mutex as TurnMutex, watch};
 use tokio::time::timeout;
@@ -98,7 +98,16 @@ impl Maps {
         &self,
         work: impl FnOnce(&dyn Fn() -> bool) -> T + Send + 'static,
     ) -> Result<T, MapsError> {
-        Ok(self.patchworks.run_while_wanted(self.limits.patchwork_time, work).await?)
+        self.lay_out_within(self.limits.patchwork_time, work).await
+    }
+
+    /// The same for work that may take another time.
+    pub(super) async fn lay_out_within<T: Send + 'static>(
+        &self,
+        longest: Duration,
+        work: impl FnOnce(&dyn Fn() -> bool) -> T + Send + 'static,
+    ) -> Result<T, MapsError> {
+        Ok(self.patchworks.run_while_wanted(longest, work).await?)
     }
 
     /// The relaxations and grids in the making, and those that have ended.
@@ -110,14 +119,26 @@ impl Maps {
     /// thread; if that one goes away, the next begins anew with what visits were found to show of each other. Nobody waits
     /// longer than the limits leave a patchwork: then the order is that of the assignments, this once.
     pub async fn ranked(&self, view: &Arc<View>) -> Result<Arc<Ranked>, MapsError> {
+        self.ranked_within(self.limits.patchwork_time, view).await
+    }
+
+    /// The same for those who may wait another time.
+    pub(super) async fn ranked_within(
+        &self,
+        longest: Duration,
+        view: &Arc<View>,
+    ) -> Result<Arc<Ranked>, MapsError> {
         if !view.has_ties() {
             return Ok(view.unranked());
         }
         let rank = || async {
             let view = Arc::clone(view);
-            self.lay_out(move |interrupted| view.rank(interrupted)).await.map_err(Some)?.ok_or(None)
+            self.lay_out_within(longest, move |interrupted| view.rank(interrupted))
+                .await
+                .map_err(Some)?
+                .ok_or(None)
         };
-        match timeout(self.limits.patchwork_time, view.ranked.get_or_try_init(rank)).await {
+        match timeout(longest, view.ranked.get_or_try_init(rank)).await {
             Ok(Ok(ranked)) => Ok(Arc::clone(ranked)),
             Ok(Err(Some(error))) => Err(error),
             Ok(Err(None)) | Err(_) => Ok(view.unranked()),

@@ -7,7 +7,7 @@
 //!
 //! [`session`] is the state machine of one map, without I/O, and [`view_session`] that of a trace of views, which the
 //! service does not keep maps of yet; [`store`] keeps configurations and events;
-//! [`maps`] gives every map its turn on the [`workers`]; [`http`] speaks to the world, and [`problem`] alone
+//! [`maps`] gives every map its turn on the [`workers`]; `jobs` keeps what clients do not wait for; [`http`] speaks to the world, and [`problem`] alone
 //! decides statuses.
 
 pub mod limits;
@@ -23,6 +23,8 @@ pub mod intake;
 pub mod workers;
 pub mod maps;
 pub mod problem;
+mod representation;
+mod jobs;
 pub mod http;
 
 pub use http::{app, openapi, serve};

@@ -91,6 +91,12 @@ pub enum ProblemKind {
     NoConsistentMap,
     /// The trace has not what a patchwork is made of.
     NotMeasured,
+    /// No such job.
+    UnknownJob,
+    /// The job was cancelled.
+    JobCancelled,
+    /// As many jobs as there may be.
+    TooManyJobs,
     /// None of the media types that the client takes.
     NotAcceptable,
     /// The grid asked for is too large.
@@ -139,6 +145,9 @@ impl ProblemKind {
             NoObservation => (StatusCode::NOT_FOUND, "no-observation", "The map has no observation yet"),
             NoConsistentMap => (StatusCode::NOT_FOUND, "no-consistent-map", "No map explains the events"),
             NotMeasured => (StatusCode::NOT_FOUND, "not-measured", "There is nothing to make a patchwork of"),
+            UnknownJob => (StatusCode::NOT_FOUND, "unknown-job", "There is no such job"),
+            JobCancelled => (StatusCode::GONE, "job-cancelled", "The job was cancelled"),
+            TooManyJobs => (StatusCode::SERVICE_UNAVAILABLE, "too-many-jobs", "There are too many jobs"),
             NotAcceptable => (StatusCode::NOT_ACCEPTABLE, "not-acceptable", "No form of it is acceptable"),
             GridTooLarge => {
                 (StatusCode::UNPROCESSABLE_ENTITY, "grid-too-large", "The grid would be too large")
@@ -225,6 +234,23 @@ impl Problem {
         let detail = "the patchwork was not finished in the time it may take; a grid in coarser cells is made faster, and a \
                       graph without poses is made at once";
         Problem::new(ProblemKind::OutOfTime, detail)
+    }
+
+    /// The problem, which a job might not have, as it may take longer.
+    #[must_use]
+    pub fn offering_a_job(self) -> Problem {
+        match self.0.code == ProblemKind::OutOfTime.row().1 {
+            true => self.with(|document| {
+                document.detail +=
+                    "; with the header `Prefer: respond-async` it becomes a job, which may take longer";
+            }),
+            false => self,
+        }
+    }
+
+    /// The document of the problem, met on the path of a request.
+    pub(super) fn of_instance(&self, path: &str) -> ProblemDocument {
+        ProblemDocument { instance: path.to_owned(), ..(*self.0).clone() }
     }
 
     /// The problem of an event that was not taken by a map which expects `next_seq`.

@@ -6,6 +6,7 @@ mod events;
 mod examples;
 mod faults;
 mod hostile;
+mod jobs;
 mod maps;
 mod patchwork;
 mod reasons;

@@ -3,6 +3,7 @@
 use crate::service::problem::{Problem, ProblemKind};
 use axum::http::{HeaderMap, header};
 use serde::Deserialize;
+use std::fmt;
 use utoipa::ToSchema;
 
 /// The forms of a grid.
@@ -48,6 +49,17 @@ impl GridFormat {
             let there: Vec<&str> = GridFormat::ALL.iter().map(|format| format.media_type()).collect();
             let detail = format!("Accept is `{}`, expected one of {}", lines.join(", "), there.join(", "));
             Problem::new(ProblemKind::NotAcceptable, detail)
+        })
+    }
+}
+
+impl fmt::Display for GridFormat {
+    /// As queries name it.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            GridFormat::Json => "json",
+            GridFormat::Png => "png",
+            GridFormat::Pgm => "pgm",
         })
     }
 }

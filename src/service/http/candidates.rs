@@ -3,10 +3,15 @@
 use crate::abduction::Candidate;
 use crate::explanation::{Verdict, verdict};
 use crate::export::{Count, MapGraph, Preferred};
-use crate::service::http::answer::{Representation, lay_out, read, read_candidates};
+use crate::service::http::answer::{read, read_candidates};
 use crate::service::http::cursor::Cursor;
 use crate::service::http::extract::{CandidateName, CandidatePath, GraphQuery, MapPath, PageQuery};
+use crate::service::http::jobs::JobDocument;
+use crate::service::http::patchwork::{Asked, lay_out};
+use crate::service::http::served::Served;
+use crate::service::jobs::JobKind;
 use crate::service::problem::{Problem, ProblemKind};
+use crate::service::representation::Representation;
 use crate::service::view::Ranked;
 use crate::service::{Maps, View};
 use axum::extract::State;
@@ -138,35 +143,45 @@ pub(super) async fn get_preferred(
         ("map" = String, Path, description = "Name of the map"),
         ("candidate" = String, Path, description = "Position of the candidate, or `preferred`"),
         GraphQuery,
+        ("Prefer" = Option<String>, Header,
+            description = "`respond-async`, with `wait=SECONDS` or without: make poses as a job"),
         ("If-None-Match" = Option<String>, Header, description = "ETag of the answer the client has"),
     ),
     responses(
         (status = 200, description = "Places, paths, path segments and frontier", body = MapGraph,
             headers(("ETag" = String, description = "Changes with the answer"))),
+        (status = 202, description = "A job makes it", body = JobDocument,
+            headers(
+                ("Location" = String, description = "The address of the job"),
+                ("Retry-After" = u64, description = "Seconds after which to look at it"),
+                ("Preference-Applied" = String, description = "The preference that made it a job"),
+            )),
         (status = 304, description = "The answer has not changed"),
         (status = 400, description = "The query is wrong"),
         (status = 404, description = "No such map or candidate, no observation, or nothing explains the events"),
         (status = 422, description = "The name is not one"),
-        (status = 503, description = "The poses take too long"),
+        (status = 503, description = "The poses take too long, or there are too many jobs"),
     )
 )]
 pub(super) async fn get_graph(
-    State(maps): State<Maps>,
+    State(served): State<Served>,
     CandidatePath(name, candidate): CandidatePath,
     GraphQuery { poses }: GraphQuery,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
+    let maps = &served.maps;
     let view = maps.view(&name).await?;
     if !(poses && view.survey.is_measured()) {
         let graph = move |view: &View, ranked: &Ranked| Ok(MapGraph::of(&candidate.find(view, ranked)?));
-        return read_candidates(&maps, &name, &[candidate], &headers, graph).await;
+        return read_candidates(maps, &name, &[candidate], &headers, graph).await;
     }
     let graph = move |view: &View, ranked: &Ranked, interrupted: &dyn Fn() -> bool| {
         let candidate = candidate.find(view, ranked)?;
         let frames = view.relax(&candidate.visits, interrupted)?;
         Representation::of(&MapGraph::of(&candidate).with_frames(&candidate, &frames))
     };
-    lay_out(&maps, view, candidate, "graph".into(), &headers, graph).await
+    let of = format!("/v1/maps/{name}/candidates/{candidate}/graph");
+    lay_out(&served, Asked { view, candidate, kind: JobKind::Graph, of }, &headers, graph).await
 }
 
 impl CandidateName {

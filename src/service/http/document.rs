@@ -19,6 +19,7 @@ use utoipa::{OpenApi as _, ToSchema};
         (name = "maps", description = "Maps and what explains them."),
         (name = "reasons", description = "Why maps were refuted, what sets candidates apart, where to look next."),
         (name = "events", description = "What robots saw and did."),
+        (name = "jobs", description = "Work that a client does not wait for."),
         (name = "process", description = "The service itself.")
     ),
     components(schemas(ProblemDocument))
@@ -47,7 +48,7 @@ pub(super) fn with_problems(mut document: OpenApi) -> OpenApi {
 }
 
 fn operations(item: &mut PathItem) -> impl Iterator<Item = &mut Operation> {
-    [&mut item.get, &mut item.put, &mut item.post].into_iter().flatten()
+    [&mut item.get, &mut item.put, &mut item.post, &mut item.delete].into_iter().flatten()
 }
 
 fn describe_problem(response: &mut Response) {

@@ -1,6 +1,5 @@
 //! The edge of the service: whatever goes wrong leaves it as a problem document.
 
-use crate::service::Maps;
 use crate::service::problem::{Problem, ProblemKind};
 use axum::Router;
 use axum::body::Body;
@@ -12,7 +11,7 @@ use std::any::Any;
 use tower_http::catch_panic::CatchPanicLayer;
 
 /// The router with answers for what it does not know and cannot do.
-pub(super) fn guard(router: Router<Maps>) -> Router<Maps> {
+pub(super) fn guard<S: Clone + Send + Sync + 'static>(router: Router<S>) -> Router<S> {
     router
         .fallback(unknown_resource)
         .method_not_allowed_fallback(method_not_allowed)
@@ -53,10 +52,8 @@ async fn name_instance(request: Request, next: Next) -> Response {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::service::{Limits, MemoryStore};
     use axum::routing::get;
     use http_body_util::BodyExt;
-    use std::sync::Arc;
     use tower::ServiceExt;
 
     #[tokio::test]
@@ -64,8 +61,7 @@ mod tests {
         async fn fails() -> Response {
             panic!("secret")
         }
-        let maps = Maps::new(Arc::new(MemoryStore::new(1)), Limits::default());
-        let app = guard(Router::new().route("/fails", get(fails))).with_state(maps);
+        let app: Router = guard(Router::new().route("/fails", get(fails)));
         let request = Request::get("/fails").body(Body::empty()).unwrap();
         let response = app.oneshot(request).await.unwrap();
         assert_eq!(response.status(), 500);

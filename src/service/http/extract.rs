@@ -8,6 +8,7 @@ use axum::extract::{FromRequestParts, Path, Query};
 use axum::http::request::Parts;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
+use std::fmt;
 use std::str::FromStr;
 use utoipa::IntoParams;
 
@@ -50,6 +51,15 @@ impl FromStr for CandidateName {
         match text {
             "preferred" => Ok(CandidateName::Preferred),
             _ => text.parse().map(CandidateName::At).map_err(|_| unknown()),
+        }
+    }
+}
+
+impl fmt::Display for CandidateName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            CandidateName::Preferred => f.write_str("preferred"),
+            CandidateName::At(position) => write!(f, "{position}"),
         }
     }
 }

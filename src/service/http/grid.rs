@@ -3,12 +3,16 @@
 use crate::export::{GridDocument, map_pgm, map_png};
 use crate::grid::OccupancyGrid;
 use crate::patchwork::merged::Canvas;
+use crate::service::View;
 use crate::service::http::accept::GridFormat;
-use crate::service::http::answer::{Representation, lay_out};
 use crate::service::http::extract::{CandidateName, CandidatePath, GridQuery};
+use crate::service::http::jobs::JobDocument;
+use crate::service::http::patchwork::{Asked, lay_out};
+use crate::service::http::served::Served;
+use crate::service::jobs::JobKind;
 use crate::service::problem::{Problem, ProblemKind};
+use crate::service::representation::Representation;
 use crate::service::view::Ranked;
-use crate::service::{Maps, View};
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, header};
 use axum::response::Response;
@@ -24,7 +28,8 @@ struct Picture(Vec<u8>);
 ///
 /// The grids of all observations that hang together with the first, laid over each other where relaxation puts them. JSON is
 /// in the form in which a trace has an LPM; pictures are in the greys of `map_server`, and JSON of the same resolution says
-/// where they lie. Whoever does not wait for the answer ends the work.
+/// where they lie. Whoever does not wait for the answer ends the work, and
+/// whoever would rather not wait has a job made of it.
 #[utoipa::path(
     get, path = "/v1/maps/{map}/candidates/{candidate}/grid", tag = "maps", operation_id = "get_grid",
     params(
@@ -32,6 +37,8 @@ struct Picture(Vec<u8>);
         ("candidate" = String, Path, description = "Position of the candidate, or `preferred`"),
         GridQuery,
         ("Accept" = Option<String>, Header, description = "The form of the answer; JSON unless it says otherwise"),
+        ("Prefer" = Option<String>, Header,
+            description = "`respond-async`, with `wait=SECONDS` or without: make it as a job"),
         ("If-None-Match" = Option<String>, Header, description = "ETag of the answer the client has"),
     ),
     responses(
@@ -42,29 +49,37 @@ struct Picture(Vec<u8>);
                 (Picture = "image/x-portable-graymap"),
             ),
             headers(("ETag" = String, description = "Changes with the answer"))),
+        (status = 202, description = "A job makes it", body = JobDocument,
+            headers(
+                ("Location" = String, description = "The address of the job"),
+                ("Retry-After" = u64, description = "Seconds after which to look at it"),
+                ("Preference-Applied" = String, description = "The preference that made it a job"),
+            )),
         (status = 304, description = "The answer has not changed"),
         (status = 400, description = "The query is wrong"),
         (status = 404, description = "No such map or candidate, no observation, nothing explains the events, or they \
                                       have not what a patchwork is made of"),
         (status = 406, description = "The header Accept names no form that there is"),
         (status = 422, description = "The name is not one, or the grid would be too large"),
-        (status = 503, description = "It takes too long"),
+        (status = 503, description = "It takes too long, or there are too many jobs"),
     )
 )]
 pub(super) async fn get_grid(
-    State(maps): State<Maps>,
+    State(served): State<Served>,
     CandidatePath(name, candidate): CandidatePath,
     GridQuery { resolution, format }: GridQuery,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     let format = format.map_or_else(|| GridFormat::accepted(&headers), Ok)?;
-    let view = maps.view(&name).await?;
-    let canvas = Canvas { resolution, most_cells: maps.limits().cells_per_answer };
-    let form = format!("grid {resolution} {format:?}");
+    let view = served.maps.view(&name).await?;
+    let canvas = Canvas { resolution, most_cells: served.maps.limits().cells_per_answer };
+    let query = format!("resolution={resolution}&format={format}");
+    let of = format!("/v1/maps/{name}/candidates/{candidate}/grid?{query}");
+    let asked = Asked { view, candidate, kind: JobKind::Grid, of };
     let work = move |view: &View, ranked: &Ranked, interrupted: &dyn Fn() -> bool| {
         encoded(&grid((view, ranked), candidate, &canvas, interrupted)?, format)
     };
-    let mut response = lay_out(&maps, view, candidate, form, &headers, work).await?;
+    let mut response = lay_out(&served, asked, &headers, work).await?;
     response.headers_mut().insert(header::VARY, HeaderValue::from_static("Accept"));
     Ok(response)
 }

@@ -1,10 +1,10 @@
 //! Maps: made once, then read.
 
 use crate::export::Report;
-use crate::service::http::answer::Representation;
 use crate::service::http::body::{MediaType, whole};
 use crate::service::http::extract::MapPath;
 use crate::service::problem::{Problem, ProblemKind};
+use crate::service::representation::Representation;
 use crate::service::view::Ranked;
 use crate::service::{Created, MapConfig, MapName, Maps, View, WireMapConfig};
 use crate::trace::EventError;

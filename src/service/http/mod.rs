@@ -10,11 +10,16 @@ mod edge;
 mod events;
 mod extract;
 mod grid;
+mod jobs;
 mod maps;
+mod patchwork;
+mod prefer;
 mod process;
 mod reasons;
+mod served;
 
 use crate::service::Maps;
+use crate::service::http::served::Served;
 use axum::Router;
 use std::io;
 use std::time::Duration;
@@ -25,7 +30,7 @@ use utoipa_axum::routes;
 /// The service as a router, to be served or called in-process.
 pub fn app(maps: Maps) -> Router {
     let (router, _) = api().split_for_parts();
-    edge::guard(router).with_state(maps)
+    edge::guard(router).with_state(Served::new(maps))
 }
 
 /// The OpenAPI 3.1 document of the service.
@@ -87,7 +92,7 @@ async fn interrupted() {
     }
 }
 
-fn api() -> OpenApiRouter<Maps> {
+fn api() -> OpenApiRouter<Served> {
     OpenApiRouter::with_openapi(document::head())
         .routes(routes!(maps::put_map, maps::get_map))
         .routes(routes!(events::post_events))
@@ -99,6 +104,9 @@ fn api() -> OpenApiRouter<Maps> {
         .routes(routes!(reasons::get_difference))
         .routes(routes!(reasons::get_tree))
         .routes(routes!(reasons::get_next))
+        .routes(routes!(jobs::list_jobs))
+        .routes(routes!(jobs::get_job, jobs::cancel_job))
+        .routes(routes!(jobs::get_job_result))
         .routes(routes!(process::livez))
         .routes(routes!(process::openapi_json))
 }

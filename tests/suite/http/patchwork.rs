@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 use std::sync::Arc;
 use std::thread::{self, available_parallelism};
 use std::time::Duration;
+use tokio::task::JoinSet;
 use tokio::time::timeout;
 use topostar::geometry::{Point, Pose};
 use topostar::grid::Cell;
@@ -15,7 +16,7 @@ use topostar::star::{PerceptionParameters, describe};
 use topostar::trace::{EventKind, Percept, write_trace};
 use topostar::worlds::{LpmTrace, bundled, lpm_trace};
 
-const GRID: &str = "/v1/maps/office/candidates/preferred/grid";
+pub(super) const GRID: &str = "/v1/maps/office/candidates/preferred/grid";
 pub(super) const GRAPH: &str = "/v1/maps/office/candidates/preferred/graph";
 
 pub(super) fn office() -> LpmTrace {
@@ -55,6 +56,27 @@ pub(super) async fn holding(client: Client, config: &str, walk: &LpmTrace) -> Cl
     client.put("office", config).await;
     assert_eq!(client.post("office", NDJSON, ndjson(walk)).await.status, 200);
     client
+}
+
+/// All threads of patchworks taken, until these tasks are aborted.
+pub(super) async fn busy(maps: &Maps) -> JoinSet<()> {
+    let threads = available_parallelism().unwrap().get();
+    let mut busy = JoinSet::new();
+    for _ in 0..threads {
+        let maps = maps.clone();
+        busy.spawn(async move {
+            let endless = |stop: &dyn Fn() -> bool| {
+                while !stop() {
+                    thread::yield_now()
+                }
+            };
+            maps.lay_out(endless).await.unwrap()
+        });
+    }
+    while maps.patchworks().running < threads {
+        tokio::task::yield_now().await;
+    }
+    busy
 }
 
 async fn accepting(client: &Client, path: &str, accept: &str) -> Answer {
@@ -297,20 +319,7 @@ async fn what_a_client_has_is_not_made_again() {
         let known = Request::get(path).header(header::IF_NONE_MATCH, tag);
         client.send(known.body(Body::empty()).unwrap())
     };
-    let busy: Vec<_> = (0..available_parallelism().unwrap().get())
-        .map(|_| {
-            let maps = maps.clone();
-            tokio::spawn(async move {
-                maps.lay_out(|stop| {
-                    while !stop() {
-                        thread::yield_now()
-                    }
-                })
-                .await
-            })
-        })
-        .collect();
-    tokio::task::yield_now().await;
+    let mut busy = busy(&maps).await;
     let turn = json!({"seq": office().events.len(), "kind": "turn", "heading": 0.0});
     for also in [None, Some(turn)] {
         if let Some(event) = also {
@@ -324,7 +333,7 @@ async fn what_a_client_has_is_not_made_again() {
             assert!(timeout(Duration::from_millis(20), other).await.is_err(), "{path} took no thread");
         }
     }
-    busy.iter().for_each(tokio::task::JoinHandle::abort);
+    busy.abort_all();
     for (path, tag) in paths.iter().zip(&tags) {
         assert_eq!(conditional(path, tag).await.status, 304);
         let other = conditional(path, &HeaderValue::from_static("\"other\"")).await;

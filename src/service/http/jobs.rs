@@ -1,0 +1,256 @@
+//! Jobs: work that a client does not wait for.
+
+use crate::service::jobs::{Job, JobKind, Jobs, Progress};
+use crate::service::problem::{Problem, ProblemDocument, ProblemKind};
+use crate::service::representation::Representation;
+use axum::Json;
+use axum::extract::rejection::PathRejection;
+use axum::extract::{FromRequestParts, Path, State};
+use axum::http::request::Parts;
+use axum::http::{HeaderMap, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use serde::Serialize;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use utoipa::ToSchema;
+
+/// Seconds after which it is worth while to look at a job again.
+const RETRY_AFTER: &str = "1";
+/// Seconds after which it is worth while to ask for a job again, where there were too many.
+pub(super) const RETRY_AFTER_FULL: &str = "10";
+
+/// A job. Fields that do not apply are left out.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+#[schema(as = Job)]
+pub(super) struct JobDocument {
+    /// Its number.
+    id: u64,
+    /// What it makes of a candidate.
+    kind: JobKind,
+    /// The address at which that is had without a job, of the map as it is then.
+    of: String,
+    /// The job is of the map before the event of this number.
+    next_seq: u64,
+    /// How far it is.
+    status: JobStatus,
+    /// When it had its turn, seconds since 1970-01-01 UTC.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    began: Option<f64>,
+    /// When it came to an end, seconds since 1970-01-01 UTC.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ended: Option<f64>,
+    /// The address of what it made.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    result: Option<String>,
+    /// Why it could not make it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    problem: Option<ProblemDocument>,
+}
+
+/// How far a job is.
+#[derive(Clone, Copy, Debug, Serialize, ToSchema)]
+#[serde(rename_all = "lowercase")]
+enum JobStatus {
+    /// Others come first.
+    Queued,
+    /// It has its turn.
+    Running,
+    /// `result` is the address of what it made.
+    Done,
+    /// `problem` says why it could not.
+    Failed,
+    /// A client ended it.
+    Cancelled,
+}
+
+/// The jobs of the service.
+#[derive(Debug, Serialize, ToSchema)]
+#[schema(as = Jobs)]
+pub(super) struct JobList {
+    /// In the order in which they were asked for.
+    jobs: Vec<JobDocument>,
+}
+
+impl JobDocument {
+    fn of(job: &Job) -> JobDocument {
+        let (status, result, problem) = match &job.progress {
+            Progress::Queued => (JobStatus::Queued, None, None),
+            Progress::Running => (JobStatus::Running, None, None),
+            Progress::Done(_) => (JobStatus::Done, Some(format!("{}/result", address(job))), None),
+            Progress::Failed(problem) => {
+                (JobStatus::Failed, None, Some(problem.of_instance(path(&job.order.of))))
+            }
+            Progress::Cancelled => (JobStatus::Cancelled, None, None),
+        };
+        let Job { id, order, began, ended, .. } = job;
+        let [began, ended] = [began, ended].map(|time| time.as_ref().map(seconds));
+        JobDocument {
+            id: *id,
+            kind: order.kind,
+            of: order.of.clone(),
+            next_seq: order.next_seq,
+            status,
+            began,
+            ended,
+            result,
+            problem,
+        }
+    }
+}
+
+/// List the jobs, in the order in which they were asked for.
+#[utoipa::path(
+    get, path = "/v1/jobs", tag = "jobs", operation_id = "list_jobs",
+    params(("If-None-Match" = Option<String>, Header, description = "ETag of the answer the client has")),
+    responses(
+        (status = 200, description = "The jobs", body = JobList,
+            headers(("ETag" = String, description = "Changes with the answer"))),
+        (status = 304, description = "The answer has not changed"),
+    )
+)]
+pub(super) async fn list_jobs(State(jobs): State<Jobs>, headers: HeaderMap) -> Result<Response, Problem> {
+    let jobs = jobs.list().iter().map(JobDocument::of).collect();
+    Ok(Representation::of(&JobList { jobs })?.answer(&headers))
+}
+
+/// Read a job: how far it is.
+#[utoipa::path(
+    get, path = "/v1/jobs/{job}", tag = "jobs", operation_id = "get_job",
+    params(
+        ("job" = u64, Path, description = "Number of the job"),
+        ("If-None-Match" = Option<String>, Header, description = "ETag of the answer the client has"),
+    ),
+    responses(
+        (status = 200, description = "The job", body = JobDocument,
+            headers(("ETag" = String, description = "Changes with the answer"))),
+        (status = 304, description = "The answer has not changed"),
+        (status = 404, description = "There is no such job, or it was forgotten"),
+    )
+)]
+pub(super) async fn get_job(
+    State(jobs): State<Jobs>,
+    JobPath(id): JobPath,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let job = jobs.get(id).ok_or_else(|| unknown(&id.to_string()))?;
+    Ok(Representation::of(&JobDocument::of(&job))?.answer(&headers))
+}
+
+/// Read what a job made.
+///
+/// Of the map as it was when the job was asked for; where the job failed, the problem.
+#[utoipa::path(
+    get, path = "/v1/jobs/{job}/result", tag = "jobs", operation_id = "get_job_result",
+    params(
+        ("job" = u64, Path, description = "Number of the job"),
+        ("If-None-Match" = Option<String>, Header, description = "ETag of the answer the client has"),
+    ),
+    responses(
+        (status = 200, description = "What it made, in the form in which it was asked for",
+            headers(("ETag" = String, description = "Changes with the answer"))),
+        (status = 202, description = "The job has not ended", body = JobDocument,
+            headers(
+                ("Location" = String, description = "The address of the job"),
+                ("Retry-After" = u64, description = "Seconds after which to look again"),
+            )),
+        (status = 304, description = "The answer has not changed"),
+        (status = 404, description = "There is no such job, or it was forgotten; or it failed for want of something"),
+        (status = 410, description = "The job was cancelled"),
+        (status = 422, description = "It failed as the grid would be too large"),
+        (status = 503, description = "It failed as it took too long"),
+    )
+)]
+pub(super) async fn get_job_result(
+    State(jobs): State<Jobs>,
+    JobPath(id): JobPath,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    answer(&jobs.get(id).ok_or_else(|| unknown(&id.to_string()))?, &headers)
+}
+
+/// Cancel a job.
+///
+/// Its work ends at once. Of a job that has ended nothing changes.
+#[utoipa::path(
+    delete, path = "/v1/jobs/{job}", tag = "jobs", operation_id = "cancel_job",
+    params(("job" = u64, Path, description = "Number of the job")),
+    responses(
+        (status = 204, description = "The job has ended"),
+        (status = 404, description = "There is no such job, or it was forgotten"),
+    )
+)]
+pub(super) async fn cancel_job(
+    State(jobs): State<Jobs>,
+    JobPath(id): JobPath,
+) -> Result<StatusCode, Problem> {
+    jobs.cancel(id).then_some(StatusCode::NO_CONTENT).ok_or_else(|| unknown(&id.to_string()))
+}
+
+/// What a job made, or why it did not, or that it has not ended.
+pub(super) fn answer(job: &Job, request: &HeaderMap) -> Result<Response, Problem> {
+    match &job.progress {
+        Progress::Done(made) => Ok(made.answer(request)),
+        Progress::Failed(problem) => Err(problem.clone()),
+        Progress::Cancelled => {
+            let detail = format!("job {} was cancelled; ask again for {}", job.id, job.order.of);
+            Err(Problem::new(ProblemKind::JobCancelled, detail))
+        }
+        Progress::Queued | Progress::Running => {
+            let headers = [(header::LOCATION, address(job)), (header::RETRY_AFTER, RETRY_AFTER.into())];
+            Ok((StatusCode::ACCEPTED, headers, Json(JobDocument::of(job))).into_response())
+        }
+    }
+}
+
+/// A job whose client does not know it yet: it ends with the connection, as nobody else waits for it.
+struct CancelOnDrop<'a> {
+    jobs: &'a Jobs,
+    id: Option<u64>,
+}
+
+/// A job once it has ended, or as it is after that long. Whoever goes away before ends it.
+pub(super) async fn wait(jobs: &Jobs, job: Job, longest: Duration) -> Job {
+    let mut waiting = CancelOnDrop { jobs, id: Some(job.id) };
+    let job = jobs.ended_within(job, longest).await;
+    waiting.id = None;
+    job
+}
+
+impl Drop for CancelOnDrop<'_> {
+    fn drop(&mut self) {
+        if let Some(id) = self.id {
+            self.jobs.cancel(id);
+        }
+    }
+}
+
+/// The number of a job from the path.
+pub(super) struct JobPath(u64);
+
+impl<S: Send + Sync> FromRequestParts<S> for JobPath {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let refused = |error: PathRejection| unknown(&error.body_text());
+        let Path(id) = Path::<String>::from_request_parts(parts, state).await.map_err(refused)?;
+        id.parse().map(JobPath).map_err(|_| unknown(&id))
+    }
+}
+
+fn unknown(id: &str) -> Problem {
+    let detail =
+        format!("there is no job `{id}`, or it ended and was forgotten; /v1/jobs lists those there are");
+    Problem::new(ProblemKind::UnknownJob, detail)
+}
+
+fn address(job: &Job) -> String {
+    format!("/v1/jobs/{}", job.id)
+}
+
+fn path(address: &str) -> &str {
+    address.split('?').next().unwrap_or_default()
+}
+
+/// Since 1970, in whole milliseconds.
+fn seconds(time: &SystemTime) -> f64 {
+    time.duration_since(UNIX_EPOCH).map_or(0.0, |since| since.as_millis() as f64 / 1000.0)
+}

@@ -1,0 +1,147 @@
+//! Answers that follow from a relaxed candidate: at once where they are kept, else when they are made, or as a job.
+
+use crate::service::http::answer::{is_known, not_modified, ranked_for};
+use crate::service::http::extract::CandidateName;
+use crate::service::http::jobs::{RETRY_AFTER_FULL, answer, wait};
+use crate::service::http::prefer::RespondAsync;
+use crate::service::http::served::Served;
+use crate::service::jobs::{JobKind, Order};
+use crate::service::problem::Problem;
+use crate::service::representation::Representation;
+use crate::service::tags::Question;
+use crate::service::view::Ranked;
+use crate::service::{Maps, View};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use std::sync::Arc;
+use std::time::Duration;
+
+/// The header that says which preferences were applied (RFC 7240).
+const PREFERENCE_APPLIED: HeaderName = HeaderName::from_static("preference-applied");
+
+/// What is asked of a candidate of a map as it is now.
+pub(super) struct Asked {
+    /// The map.
+    pub(super) view: Arc<View>,
+    /// The candidate.
+    pub(super) candidate: CandidateName,
+    /// What of it.
+    pub(super) kind: JobKind,
+    /// The address of the answer in the form that was asked for.
+    pub(super) of: String,
+}
+
+/// Relaxes a candidate and answers what follows from that, unless the client has the answer or it is kept. A client that would
+/// rather not wait is given a job.
+pub(super) async fn lay_out<M>(
+    served: &Served,
+    asked: Asked,
+    request: &HeaderMap,
+    make: M,
+) -> Result<Response, Problem>
+where
+    M: FnOnce(&View, &Ranked, &dyn Fn() -> bool) -> Result<Representation, Problem> + Send + 'static,
+{
+    match RespondAsync::of(request) {
+        None => at_once(&served.maps, &asked, request, make).await.map_err(Problem::offering_a_job),
+        Some(preference) => as_job(served, asked, request, preference, make).await,
+    }
+}
+
+async fn at_once<M>(maps: &Maps, asked: &Asked, request: &HeaderMap, make: M) -> Result<Response, Problem>
+where
+    M: FnOnce(&View, &Ranked, &dyn Fn() -> bool) -> Result<Representation, Problem> + Send + 'static,
+{
+    let longest = maps.limits().patchwork_time;
+    let ranked = ranked_for(maps, &asked.view, &[asked.candidate], longest).await?;
+    match asked.remembered(&ranked, request) {
+        Some(answer) => Ok(answer),
+        None => Ok(asked.made(maps, ranked, longest, make).await?.answer(request)),
+    }
+}
+
+async fn as_job<M>(
+    served: &Served,
+    asked: Asked,
+    request: &HeaderMap,
+    preference: RespondAsync,
+    make: M,
+) -> Result<Response, Problem>
+where
+    M: FnOnce(&View, &Ranked, &dyn Fn() -> bool) -> Result<Representation, Problem> + Send + 'static,
+{
+    let Served { maps, jobs } = served;
+    if let Some(answer) = asked.ranked_by_now().and_then(|ranked| asked.remembered(&ranked, request)) {
+        return Ok(answer);
+    }
+    let (view, candidate) = (Arc::clone(&asked.view), asked.candidate);
+    maps.read(move || candidate.position(&view, &view.unranked())).await??;
+    let order = Order { kind: asked.kind, of: asked.of.clone(), next_seq: asked.view.next_seq };
+    let (maps, longest) = (maps.clone(), maps.limits().job_time);
+    let work = async move {
+        let ranked = ranked_for(&maps, &asked.view, &[asked.candidate], longest).await?;
+        match asked.kept(&ranked) {
+            Some(kept) => Ok(kept),
+            None => asked.made(&maps, ranked, longest, make).await,
+        }
+    };
+    let job = match jobs.begin(order, work) {
+        Ok(job) => match preference.patience() {
+            Duration::ZERO => job,
+            patience => wait(jobs, job, patience).await,
+        },
+        Err(full) => return Ok(([(header::RETRY_AFTER, RETRY_AFTER_FULL)], full).into_response()),
+    };
+    let mut response = answer(&job, request)?;
+    if response.status() == StatusCode::ACCEPTED
+        && let Ok(applied) = HeaderValue::from_str(&preference.applied())
+    {
+        response.headers_mut().insert(PREFERENCE_APPLIED, applied);
+    }
+    Ok(response)
+}
+
+impl Asked {
+    /// The answer to a client that has it, or one that is kept.
+    fn remembered(&self, ranked: &Ranked, request: &HeaderMap) -> Option<Response> {
+        let given = self.view.tags.get(&self.question(ranked))?;
+        match is_known(&given.tag, request) {
+            true => Some(not_modified(given.tag)),
+            false => given.kept().map(|kept| kept.answer(request)),
+        }
+    }
+
+    fn kept(&self, ranked: &Ranked) -> Option<Arc<Representation>> {
+        self.view.tags.get(&self.question(ranked))?.kept()
+    }
+
+    /// The answer made anew, on a worker, in at most so long.
+    async fn made<M>(
+        &self,
+        maps: &Maps,
+        ranked: Arc<Ranked>,
+        longest: Duration,
+        make: M,
+    ) -> Result<Arc<Representation>, Problem>
+    where
+        M: FnOnce(&View, &Ranked, &dyn Fn() -> bool) -> Result<Representation, Problem> + Send + 'static,
+    {
+        let (view, question) = (Arc::clone(&self.view), self.question(&ranked));
+        let work = move |interrupted: &dyn Fn() -> bool| make(&view, &ranked, interrupted);
+        let made = Arc::new(maps.lay_out_within(longest, work).await??);
+        self.view.tags.insert(question, &made);
+        Ok(made)
+    }
+
+    /// What was found, in an order in which the candidate can be looked up, if nobody has to wait for that.
+    fn ranked_by_now(&self) -> Option<Arc<Ranked>> {
+        match self.candidate == CandidateName::Preferred && self.view.has_ties() {
+            true => self.view.ranked.get().cloned(),
+            false => Some(self.view.unranked()),
+        }
+    }
+
+    fn question(&self, ranked: &Ranked) -> Question {
+        Question { of: self.of.clone(), ordered_by: ranked.ties.as_ref().map(|ties| ties.ordered_by) }
+    }
+}

@@ -1,0 +1,88 @@
+//! What a client would rather have: the header `Prefer` (RFC 7240).
+
+use axum::http::{HeaderMap, HeaderName};
+use std::time::Duration;
+
+/// The header of a preference.
+const PREFER: HeaderName = HeaderName::from_static("prefer");
+
+/// Not to wait for the answer, or not for long.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct RespondAsync {
+    /// Whole seconds that the client waits, if it said so.
+    pub(super) wait: Option<u32>,
+}
+
+impl RespondAsync {
+    /// The preference of a request, if it has it. What is unknown or not well-formed is passed over, and of what is said
+    /// twice the first counts, as section 2 has it.
+    pub(super) fn of(headers: &HeaderMap) -> Option<RespondAsync> {
+        let lines: Vec<&str> = headers.get_all(PREFER).iter().filter_map(|line| line.to_str().ok()).collect();
+        let preferences = || lines.iter().flat_map(|line| split(line)).map(named);
+        let wait = preferences().find(|(name, _)| name == "wait").and_then(|(_, value)| value.parse().ok());
+        preferences().any(|(name, _)| name == "respond-async").then_some(RespondAsync { wait })
+    }
+
+    /// How long the client waits.
+    pub(super) fn patience(self) -> Duration {
+        Duration::from_secs(self.wait.unwrap_or_default().into())
+    }
+
+    /// The preference as it was applied.
+    pub(super) fn applied(self) -> String {
+        match self.wait {
+            None => "respond-async".into(),
+            Some(wait) => format!("respond-async, wait={wait}"),
+        }
+    }
+}
+
+/// The preferences of a line, with a comma between; commas in quotes are none.
+fn split(line: &str) -> impl Iterator<Item = &str> {
+    let mut quoted = false;
+    line.split(move |c| {
+        quoted ^= c == '"';
+        c == ',' && !quoted
+    })
+}
+
+/// The name of a preference, in small letters, and its value, without quotes; parameters are left out.
+fn named(preference: &str) -> (String, &str) {
+    let preference = preference.split(';').next().unwrap_or_default();
+    let (name, value) = preference.split_once('=').unwrap_or((preference, ""));
+    (name.trim().to_ascii_lowercase(), value.trim().trim_matches('"'))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn preferences_are_read_as_rfc_7240_has_them() {
+        let once = |wait| Some(RespondAsync { wait });
+        for (lines, expected) in [
+            (&[][..], None),
+            (&["return=minimal"], None),
+            (&["wait=10"], None),
+            (&["respond-async"], once(None)),
+            (&["Respond-Async"], once(None)),
+            (&["respond-async, wait=10"], once(Some(10))),
+            (&["wait=\"10\"", "respond-async; foo=bar"], once(Some(10))),
+            (&["foo; bar,respond-async ,  Wait = 3"], once(Some(3))),
+            (&["respond-async, wait=1, wait=2"], once(Some(1))),
+            (&["respond-async, wait=-1"], once(None)),
+            (&["respond-async, wait=soon"], once(None)),
+            (&["respond-async, wait=99999999999"], once(None)),
+            (&["foo=\"a, respond-async, b\""], None),
+            (&["respond-asynchronously"], None),
+            (&[""], None),
+        ] {
+            let mut headers = HeaderMap::new();
+            for line in lines {
+                headers.append(PREFER, line.parse().unwrap());
+            }
+            assert_eq!(RespondAsync::of(&headers), expected, "{lines:?}");
+        }
+        assert_eq!(RespondAsync { wait: Some(3) }.applied(), "respond-async, wait=3");
+    }
+}
