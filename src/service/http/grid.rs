@@ -22,7 +22,7 @@ use utoipa::ToSchema;
 #[derive(ToSchema)]
 #[schema(value_type = String, format = Binary)]
 #[expect(dead_code, reason = "only its schema is used")]
-struct Picture(Vec<u8>);
+pub(super) struct Picture(Vec<u8>);
 
 /// Read all that was seen as one occupancy grid.
 ///

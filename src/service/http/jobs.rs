@@ -1,5 +1,7 @@
 //! Jobs: work that a client does not wait for.
 
+use crate::export::{GridDocument, MapGraph};
+use crate::service::http::grid::Picture;
 use crate::service::jobs::{Job, JobKind, Jobs, Progress};
 use crate::service::problem::{Problem, ProblemDocument, ProblemKind};
 use crate::service::representation::Representation;
@@ -68,6 +70,15 @@ enum JobStatus {
 pub(super) struct JobList {
     /// In the order in which they were asked for.
     jobs: Vec<JobDocument>,
+}
+
+/// What jobs make that is JSON.
+#[derive(ToSchema)]
+#[serde(untagged)]
+#[expect(dead_code, reason = "only its schema is used; jobs keep bytes")]
+enum Made {
+    Graph(Box<MapGraph>),
+    Grid(Box<GridDocument>),
 }
 
 impl JobDocument {
@@ -146,6 +157,11 @@ pub(super) async fn get_job(
     ),
     responses(
         (status = 200, description = "What it made, in the form in which it was asked for",
+            content(
+                (Made = "application/json"),
+                (Picture = "image/png"),
+                (Picture = "image/x-portable-graymap"),
+            ),
             headers(("ETag" = String, description = "Changes with the answer"))),
         (status = 202, description = "The job has not ended", body = JobDocument,
             headers(
