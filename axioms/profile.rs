@@ -14,7 +14,7 @@ use topostar::abduction::{
     Abduction, Assignment, AxiomId, AxiomSet, Clash, Evidence, Limits, Profile, Proposal, Visit, judge,
 };
 use topostar::map::PlaceId;
-use topostar::metric::Measurements;
+use topostar::metric::{Measurements, Room};
 use topostar::trace::Sighting;
 use topostar::worlds::{Drift, corridor_grid, covering_walk, drifting_trace};
 
@@ -92,7 +92,7 @@ impl Evidence for Asking {
         if axiom == AxiomId::Apart && proposal.branch.visits().len() == self.last {
             *self.answer.lock().unwrap() = match self.visits {
                 Some((visits, gate)) => self.measured.to_part(proposal, visits, self.distance, gate),
-                None => self.measured.to_part_all(proposal, self.distance),
+                None => self.measured.room(proposal, self.distance).into_iter().map(lacking).collect(),
             };
         }
         true
@@ -100,6 +100,13 @@ impl Evidence for Asking {
 
     fn clash(&self, _: AxiomId, _: &Proposal<'_>) -> Clash {
         Clash::default()
+    }
+}
+
+fn lacking(room: Option<Room>) -> Option<f64> {
+    match room? {
+        Room::Lacking(crowd) => Some(crowd.chi_square),
+        Room::Found | Room::Unknown => None,
     }
 }
 

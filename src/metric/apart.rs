@@ -17,7 +17,7 @@
 
 use crate::abduction::Outcome;
 use crate::metric::breach::Breach;
-use crate::metric::crowd::Crowd;
+use crate::metric::crowd::{Crowd, Room};
 use crate::metric::frames::Story;
 use crate::metric::layout::{Layout, Span};
 use crate::metric::share::{SHARES, in_every};
@@ -54,13 +54,10 @@ pub(super) fn to_part(
     std::array::from_fn(|share| judged(story, share, rim)?)
 }
 
-/// As [`crate::metric::Measurements::to_part_all`].
-pub(super) fn to_part_all(story: &Story<'_>, distance: f64) -> [Option<f64>; SHARES.len()] {
-    let crowd = |layout: &Layout| {
-        let crowd = if layout.agrees() { layout.crowd(&first_visits(story, layout), distance) } else { None };
-        crowd.map(|crowd| crowd.chi_square)
-    };
-    std::array::from_fn(|share| judged(story, share, crowd)?)
+/// As [`crate::metric::Measurements::room`].
+pub(super) fn room(story: &Story<'_>, distance: f64) -> [Option<Room>; SHARES.len()] {
+    let room = |layout: &Layout| layout.agrees().then(|| layout.room(&first_visits(story, layout), distance));
+    std::array::from_fn(|share| judged(story, share, room)?)
 }
 
 /// What is made of the layout that a proposal is judged in: by the loop that the latest travel closes too, if it does.
@@ -113,8 +110,12 @@ fn crowd(story: &Story<'_>, layout: &Layout, separation: f64) -> Option<Breach> 
     if story.outcome == Outcome::NewPlace && !visits.iter().any(beside) {
         return None;
     }
-    let Crowd { chi_square, gate, spans } = layout.crowd(&visits, separation)?;
-    Some(Breach::Crowd { spans, chi_square, gate, separation })
+    match layout.room(&visits, separation) {
+        Room::Lacking(Crowd { chi_square, gate, spans }) => {
+            Some(Breach::Crowd { spans, chi_square, gate, separation })
+        }
+        Room::Found | Room::Unknown => None,
+    }
 }
 
 /// The first visits to all places since the last travel that was not measured.

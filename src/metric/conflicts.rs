@@ -13,8 +13,10 @@ pub(super) enum Look<W> {
     Next(Ways<W>),
     /// Of the ways taken these are too much together.
     Conflict(BTreeSet<W>),
-    /// Nothing is left to take, or nothing is found out.
+    /// Nothing is left to take.
     Open,
+    /// Nothing is found out.
+    Unknown,
 }
 
 /// Ways one of which has to be taken.
@@ -25,11 +27,33 @@ pub(super) struct Ways<W> {
     pub(super) parts: Vec<W>,
 }
 
-/// Whether `look`, asked of `most` sets of ways at most, shows that no ways are left to take.
+/// Whether there are ways that can all be taken together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Choice {
+    /// There are.
+    Found,
+    /// There are none.
+    Lacking,
+    /// It is not found out.
+    Unknown,
+}
+
+/// Whether ways can be taken until nothing is left to take, by asking `look` of `most` sets of ways at most.
 ///
-/// Law: it then says so exactly if every choice contains a conflict, where `look` is never open but of a choice of all.
-pub(super) fn are_all_closed<W: Copy + Ord>(most: usize, look: impl FnMut(&[W]) -> Look<W>) -> bool {
-    Search { left: most, look, conflicts: Vec::new() }.branch(&mut Vec::new()).is_some()
+/// Law: they are lacking exactly if every choice contains a conflict, where `look` is never open but of a choice of all, and
+/// never unknown.
+pub(super) fn choice<W: Copy + Ord>(most: usize, look: impl FnMut(&[W]) -> Look<W>) -> Choice {
+    match (Search { left: most, look, conflicts: Vec::new() }).branch(&mut Vec::new()) {
+        Ok(_) => Choice::Lacking,
+        Err(Ended::Open) => Choice::Found,
+        Err(Ended::Unknown) => Choice::Unknown,
+    }
+}
+
+/// Why a search ends before all branches do.
+enum Ended {
+    Open,
+    Unknown,
 }
 
 struct Search<W, L> {
@@ -39,16 +63,17 @@ struct Search<W, L> {
 }
 
 impl<W: Copy + Ord, L: FnMut(&[W]) -> Look<W>> Search<W, L> {
-    /// Ends all branches beyond ways taken; those of them that are in conflict, or `None` if a branch does not end. As deep as
-    /// ways can be taken.
-    fn branch(&mut self, taken: &mut Vec<W>) -> Option<BTreeSet<W>> {
+    /// Ends all branches beyond ways taken; those of them that are in conflict, if every branch ends. As deep as ways can be
+    /// taken.
+    fn branch(&mut self, taken: &mut Vec<W>) -> Result<BTreeSet<W>, Ended> {
         let holds = |conflict: &&BTreeSet<W>| conflict.iter().all(|way| taken.contains(way));
         if let Some(known) = self.conflicts.iter().find(holds) {
-            return Some(known.clone());
+            return Ok(known.clone());
         }
-        self.left = self.left.checked_sub(1)?;
+        self.left = self.left.checked_sub(1).ok_or(Ended::Unknown)?;
         let conflict = match (self.look)(taken) {
-            Look::Open => return None,
+            Look::Open => return Err(Ended::Open),
+            Look::Unknown => return Err(Ended::Unknown),
             Look::Conflict(conflict) => conflict,
             Look::Next(ways) => {
                 let mut all: BTreeSet<W> = ways.whole.into_iter().collect();
@@ -57,7 +82,7 @@ impl<W: Copy + Ord, L: FnMut(&[W]) -> Look<W>> Search<W, L> {
                     let mut conflict = self.branch(taken)?;
                     taken.pop();
                     if !conflict.remove(&way) {
-                        return Some(conflict);
+                        return Ok(conflict);
                     }
                     all.append(&mut conflict);
                 }
@@ -65,7 +90,7 @@ impl<W: Copy + Ord, L: FnMut(&[W]) -> Look<W>> Search<W, L> {
             }
         };
         self.conflicts.push(conflict.clone());
-        Some(conflict)
+        Ok(conflict)
     }
 }
 
@@ -122,16 +147,23 @@ mod tests {
             conflicts in prop::collection::vec(prop::collection::btree_set(ways(), 1..4), 0..24),
             order in Just((0..QUESTIONS).collect::<Vec<_>>()).prop_shuffle(),
         ) {
-            let closed = are_all_closed(usize::MAX, |taken: &[Way]| look(&conflicts, &order, taken));
+            let found = choice(usize::MAX, |taken: &[Way]| look(&conflicts, &order, taken));
             let ended = |choice: &BTreeSet<Way>| conflicts.iter().any(|conflict| conflict.is_subset(choice));
-            prop_assert_eq!(closed, choices().iter().all(ended));
+            let all_end = choices().iter().all(ended);
+            prop_assert_eq!(found, if all_end { Choice::Lacking } else { Choice::Found });
         }
     }
 
     #[test]
     fn what_is_not_looked_at_is_not_closed() {
         let conflicts: Vec<BTreeSet<Way>> = [0, 1].map(|side| BTreeSet::from([(0, side, None)])).into();
-        let asked = |most| are_all_closed(most, |taken: &[Way]| look(&conflicts, &[0, 1, 2, 3], taken));
-        assert_eq!([0, 1, 2, 3].map(asked), [false, false, false, true]);
+        let asked = |most| choice(most, |taken: &[Way]| look(&conflicts, &[0, 1, 2, 3], taken));
+        assert_eq!([0, 1, 2].map(asked), [Choice::Unknown; 3]);
+        assert_eq!(asked(3), Choice::Lacking);
+        let blind = |taken: &[Way]| match taken {
+            [] => look(&conflicts, &[0, 1, 2, 3], taken),
+            _ => Look::Unknown,
+        };
+        assert_eq!(choice(3, blind), Choice::Unknown);
     }
 }

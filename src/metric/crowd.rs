@@ -17,7 +17,7 @@
 //! bound ([`crate::metric::share`]), so that it is a rule that this law suggests; how often it fails is counted, not proven
 //! (`cargo xtask evaluate`).
 
-use crate::metric::conflicts::{Look, are_all_closed};
+use crate::metric::conflicts::{Choice, Look, choice};
 use crate::metric::layout::{Layout, Span};
 use crate::metric::profile::NEARER;
 use crate::metric::sides::{Pair, Polygons, Side};
@@ -27,26 +27,42 @@ use std::collections::{BTreeMap, BTreeSet};
 /// At most so many sets of sides are looked at.
 const STEPS: usize = 400;
 
+/// Whether all places can lie apart at once.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Room {
+    /// Likely errors are found with which they do.
+    Found,
+    /// What that takes is more than is likely.
+    Lacking(Crowd),
+    /// It is not found out.
+    Unknown,
+}
+
 /// What it takes at least to have all places apart.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Crowd {
+pub struct Crowd {
     /// Chi-square beyond that of the loops alone.
-    pub(super) chi_square: f64,
+    pub chi_square: f64,
     /// The gate that it exceeds.
-    pub(super) gate: f64,
+    pub gate: f64,
     /// Visits to places that are in each other's way, each pair once.
     pub(super) spans: Vec<Span>,
 }
 
 impl Layout {
-    /// What it takes to have some visits, ascending and measured in between, all so far from each other, if more than is
-    /// likely. `None` where they may lie apart, and where that is not found out.
-    pub(super) fn crowd(&self, visits: &[usize], radius: f64) -> Option<Crowd> {
-        let polygons = Polygons::new(self, visits, radius)?;
+    /// Whether some visits, ascending and measured in between, can all lie so far from each other.
+    pub(super) fn room(&self, visits: &[usize], radius: f64) -> Room {
+        let Some(polygons) = Polygons::new(self, visits, radius) else { return Room::Unknown };
         let mut search = Search { layout: self, polygons, ended: BTreeMap::new() };
-        are_all_closed(STEPS, |sides| search.look(sides)).then_some(())?;
-        let ended = search.ended.into_values().flatten();
-        ended.min_by(|a, b| a.chi_square.total_cmp(&b.chi_square))
+        match choice(STEPS, |sides| search.look(sides)) {
+            Choice::Found => Room::Found,
+            Choice::Unknown => Room::Unknown,
+            Choice::Lacking => {
+                let least = search.ended.into_values().flatten();
+                let least = least.min_by(|a, b| a.chi_square.total_cmp(&b.chi_square));
+                least.map_or(Room::Unknown, Room::Lacking)
+            }
+        }
     }
 
     /// The gate of some conditions together, as far as all loops leave it.
@@ -80,13 +96,18 @@ impl Search<'_> {
         if let Some(conflict) = self.conflict(&bearing) {
             return Look::Conflict(conflict);
         }
-        let reached = self.layout.to_reach(&self.polygons.lines(sides, 1.0));
-        let within = reached.and_then(|reached| self.polygons.within(&solved, Some(&reached.poses)));
-        within.map_or(Look::Open, |pair| self.next(&pair, sides))
+        let Some(reached) = self.layout.to_reach(&self.polygons.lines(sides, 1.0)) else {
+            return Look::Unknown;
+        };
+        match self.polygons.within(&solved, Some(&reached.poses)) {
+            Some(pair) => self.next(&pair, sides),
+            None if reached.chi_square <= self.layout.gate(bearing.len()) => Look::Open,
+            None => Look::Unknown,
+        }
     }
 
     fn next(&self, pair: &Pair, sides: &[Side]) -> Look<Side> {
-        self.polygons.ways(pair, sides).map_or(Look::Open, Look::Next)
+        self.polygons.ways(pair, sides).map_or(Look::Unknown, Look::Next)
     }
 
     /// Few of some sides that take more than their gate together, also where first order does not hold.

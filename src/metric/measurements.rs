@@ -3,6 +3,7 @@
 use crate::abduction::{AxiomId, Clash, Evidence, Proposal};
 use crate::geometry::Pose;
 use crate::metric::breach::Breach;
+use crate::metric::crowd::Room;
 use crate::metric::frames::Story;
 use crate::metric::layout::Span;
 use crate::metric::leg::Travelled;
@@ -108,14 +109,15 @@ impl Measurements {
         apart::to_part(&Story::new(stays, proposal, &self.parameters), span, distance, gate).into()
     }
 
-    /// Whether chi-square has to grow by more than a gate for the robot to have stood so many metres apart on the first visits
-    /// to any two places, if a proposal holds, all at once: by which `apart` judges too. Answers are as those of
-    /// [`Measurements::to_part`], and "at least" holds as far as a descent from the likeliest errors finds the least; the gate is
-    /// that of the visits which bear on it.
-    pub fn to_part_all(&self, proposal: &Proposal<'_>, distance: f64) -> Vec<Option<f64>> {
+    /// Whether the robot can have stood so many metres apart on the first visits to any two places, if a proposal holds, all at
+    /// once: by which `apart` judges too. One answer for each range of the share of heading errors that is the same on all
+    /// travels, `None` where no likely errors close the loops. What is lacking is lacking as far as a descent from the likeliest
+    /// errors finds the least chi-square; what is found is within a thirtieth of the distance, of which a polygon falls short
+    /// of a circle.
+    pub fn room(&self, proposal: &Proposal<'_>, distance: f64) -> Vec<Option<Room>> {
         let known = proposal.branch.visits().len();
         let Some(stays) = self.stays.get(..=known) else { return Vec::new() };
-        apart::to_part_all(&Story::new(stays, proposal, &self.parameters), distance).into()
+        apart::room(&Story::new(stays, proposal, &self.parameters), distance).into()
     }
 
     /// What is made of how the proposal breaks the axiom, if it does.

@@ -13,12 +13,14 @@ mod drifting;
 use drifting::{SPACING, drifting_walk, sightings};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 use topostar::abduction::{
-    Abduction, Assignment, AxiomSet, Limits, Profile, Refutation, Report, Visit, judge,
+    Abduction, Assignment, AxiomId, AxiomSet, Clash, Evidence, Limits, Profile, Proposal, Refutation, Report,
+    Visit, judge,
 };
 use topostar::map::PlaceId;
-use topostar::metric::Measurements;
+use topostar::metric::{Measurements, MetricParameters, Room};
 use topostar::trace::Sighting;
 use topostar::worlds::{Drift, StarTrace};
 
@@ -88,6 +90,8 @@ struct Found {
     kept: bool,
     preferred: bool,
     alone: bool,
+    /// Of how many candidates at the end likely errors are found with which all places lie apart.
+    roomy: usize,
     by_axiom: Vec<(&'static str, u64)>,
 }
 
@@ -99,13 +103,14 @@ impl Outcome {
         let visits: Vec<Visit> = sightings.iter().map(|(seen, _)| Visit::from(seen)).collect();
         let evidence = sightings.last().and_then(|(_, measured)| measured.evidence());
         let judged = judge(&visits, evidence.as_deref(), AxiomSet::of(Profile::Default), &truth);
-        let searched = search.then(|| Found::of(&explain(&sightings), &truth));
+        let measured = sightings.last().map(|(_, measured)| measured.clone()).unwrap_or_default();
+        let searched = search.then(|| Found::of(&explain(&sightings), &visits, &measured, &truth));
         Outcome { seed, travels: sightings.len() - 1, refuted: judged.err(), searched }
     }
 }
 
 impl Found {
-    fn of(abduction: &Abduction, truth: &[Assignment]) -> Found {
+    fn of(abduction: &Abduction, seen: &[Visit], measured: &Measurements, truth: &[Assignment]) -> Found {
         let report: Report = abduction.report();
         let preferred = report.minimal.iter().any(|candidate| candidate.visits == truth);
         Found {
@@ -114,8 +119,39 @@ impl Found {
             kept: abduction.candidates().any(|candidate| candidate.visits == truth),
             preferred,
             alone: preferred && report.minimal.len() == 1,
+            roomy: abduction.candidates().filter(|one| has_room(seen, measured, &one.visits)).count(),
             by_axiom: report.refuted.iter().map(|(axiom, count)| (axiom.name(), count)).collect(),
         }
+    }
+}
+
+/// Whether likely errors are found with which all places of a candidate lie apart, whatever share of them is the same on all
+/// travels. Of the others that is not found out.
+fn has_room(seen: &[Visit], measured: &Measurements, candidate: &[Assignment]) -> bool {
+    let asking = Asking { measured: measured.clone(), last: seen.len() - 1, found: AtomicBool::new(false) };
+    let axioms = AxiomSet::built_in().with(AxiomId::Apart);
+    judge(seen, Some(&asking), axioms, candidate).is_ok() && asking.found.into_inner()
+}
+
+/// Measurements that are asked for room at the last observation.
+#[derive(Debug)]
+struct Asking {
+    measured: Measurements,
+    last: usize,
+    found: AtomicBool,
+}
+
+impl Evidence for Asking {
+    fn holds(&self, _: AxiomId, proposal: &Proposal<'_>) -> bool {
+        if proposal.branch.visits().len() == self.last {
+            let rooms = self.measured.room(proposal, MetricParameters::default().separation);
+            self.found.store(rooms.contains(&Some(Room::Found)), Ordering::Relaxed);
+        }
+        true
+    }
+
+    fn clash(&self, _: AxiomId, _: &Proposal<'_>) -> Clash {
+        Clash::default()
     }
 }
 
@@ -131,10 +167,14 @@ fn print(outcomes: &[Outcome], seconds: f64) {
     let found: Vec<&Found> = outcomes.iter().filter_map(|outcome| outcome.searched.as_ref()).collect();
     let count = |of: fn(&Found) -> bool| found.iter().filter(|found| of(found)).count();
     let few = found.len() <= FEW;
+    let (left, roomy) = found.iter().fold((0, 0), |(left, roomy), found| {
+        (left + found.candidates.last().copied().unwrap_or_default(), roomy + found.roomy)
+    });
     for Outcome { seed, searched, .. } in outcomes.iter().filter(|_| few) {
-        let Some(Found { candidates, whole, .. }) = searched else { continue };
+        let Some(Found { candidates, whole, roomy, .. }) = searched else { continue };
         let counts: Vec<String> = candidates.iter().map(usize::to_string).collect();
-        println!("    seed {seed}, {}: {}", if *whole { "whole" } else { "cut" }, counts.join(" "));
+        let whole = if *whole { "whole" } else { "cut" };
+        println!("    seed {seed}, {whole}, {roomy} with room: {}", counts.join(" "));
     }
     println!(
         "  searched {}, whole within {LIMIT} candidates {}, true map kept {}, preferred {}, alone {}",
@@ -144,6 +184,7 @@ fn print(outcomes: &[Outcome], seconds: f64) {
         count(|found| found.preferred),
         count(|found| found.alone)
     );
+    println!("  of {left} candidates left in all, errors are found with which all places lie apart: {roomy}");
     for quarter in 1..=4 {
         let at = |found: &&Found| found.candidates[(found.candidates.len() - 1) * quarter / 4];
         let mut counts: Vec<usize> = found.iter().map(at).collect();
