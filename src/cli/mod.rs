@@ -11,6 +11,7 @@ mod comparison;
 mod demo;
 mod extract;
 mod failure;
+mod growing;
 mod gzip;
 mod input;
 mod log;

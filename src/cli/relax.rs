@@ -1,8 +1,9 @@
 //! `topostar relax`: a pose graph in, the poses of least strain out.
 
 use crate::cli::failure::Failure;
+use crate::cli::growing::Grown;
 use crate::cli::input::{open, plain_extension};
-use crate::export::{RelaxationOutcome, RelaxationReport, RelaxationSeconds, poses_svg};
+use crate::export::{GrowthReport, RelaxationOutcome, RelaxationReport, RelaxationSeconds, poses_svg};
 use crate::patchwork::format::{InformationOrder, ReadGraph, read_graph, write_g2o, write_toro, write_tum};
 use crate::patchwork::{
     Loss, Outcome, PoseGraph, PoseId, RelaxError, RelaxOptions, Relaxation, Relaxer, Start,
@@ -28,6 +29,7 @@ Examples:
   topostar relax run.graph -o run.tum --svg run.svg   a trajectory, and a picture before and after
   topostar relax run.g2o --loss cauchy                when loops may have been closed wrongly
   topostar relax run.g2o --max-seconds 60             the best that a minute gives
+  topostar relax run.g2o --growing                    pose by pose, and what each costs while the robot drives
   topostar relax run.g2o --covariance 17              how sure the place of pose 17 is")]
 pub(super) struct Relax {
     /// A pose graph in g2o or TORO format, plain, .gz or .bz2; '-' is standard input.
@@ -42,6 +44,11 @@ pub(super) struct Relax {
     /// what comes out is unlikely.
     #[arg(long, value_enum, default_value = "best")]
     start: StartName,
+    /// Take the poses in one after the other, in the order of the file and by the edges alone, as a robot that drives tells
+    /// of them, and relax after each what it touches: the loops through it. Tells what that took; the whole is relaxed from
+    /// there.
+    #[arg(long, conflicts_with = "start")]
+    growing: bool,
     /// What an edge that does not fit may cost: squared is the most likely layout if errors are normal, the others
     /// let an edge that lies pull less.
     #[arg(long, value_enum, default_value = "squared")]
@@ -122,8 +129,12 @@ impl Relax {
         self.check_covariances(&graph)?;
         notes.extend(write.and_then(|write| write.leaves_out(&graph)));
         let reading = clock.elapsed().as_secs_f64();
-        let (mut relaxer, answer, seconds) = self.relaxed(&graph)?;
+        let clock = Instant::now();
+        let grown = self.growing.then(|| self.grown(&graph, clock)).transpose()?;
+        let begin = grown.as_ref().map_or_else(|| graph.clone(), |grown| grown.placed(&graph));
+        let (mut relaxer, answer, seconds) = self.relaxed(&begin, clock)?;
         let mut report = RelaxationReport::of(&graph, &answer);
+        report.growing = grown.map(|grown| grown.report);
         report.seconds = RelaxationSeconds { reading, ..seconds };
         (report.information_order, report.notes) = (order.name(), notes);
         self.print(&report, &covariances(&mut relaxer, &self.covariance))?;
@@ -131,25 +142,39 @@ impl Relax {
             save(file, &write.text(&graph.with_guesses(&answer.poses)))?;
         }
         if let Some(file) = &self.svg {
-            save(file, &poses_svg(&graph, &relaxer.guesses(), &answer.poses))?;
+            let before = Relaxer::new(&graph, &self.options()).map_err(broken)?.guesses();
+            save(file, &poses_svg(&graph, &before, &answer.poses))?;
         }
         ended(&answer)
     }
 
-    /// The graph relaxed, as far as time allows.
-    fn relaxed(&self, graph: &PoseGraph) -> Result<(Relaxer, Relaxation, RelaxationSeconds), Failure> {
-        let broken = |error: RelaxError| Failure::Broken(error.to_string());
-        let (clock, bar) = (Instant::now(), progress());
+    /// The graph relaxed, as far as the time since `clock` allows.
+    fn relaxed(
+        &self,
+        graph: &PoseGraph,
+        clock: Instant,
+    ) -> Result<(Relaxer, Relaxation, RelaxationSeconds), Failure> {
+        let (begun, bar) = (Instant::now(), progress("factorisation"));
         let mut relaxer = Relaxer::new(graph, &self.options()).map_err(broken)?;
-        let setup = clock.elapsed().as_secs_f64();
-        let interrupted = || {
-            bar.inc(1);
-            self.max_seconds.is_some_and(|most| clock.elapsed() >= most)
-        };
-        let answer = relaxer.relax_until(&interrupted).map_err(broken)?;
+        let setup = begun.elapsed().as_secs_f64();
+        let answer = relaxer.relax_until(&|| self.is_over(clock, &bar)).map_err(broken)?;
         bar.finish_and_clear();
-        let relaxing = clock.elapsed().as_secs_f64() - setup;
+        let relaxing = begun.elapsed().as_secs_f64() - setup;
         Ok((relaxer, answer, RelaxationSeconds { reading: 0.0, setup, relaxing }))
+    }
+
+    /// The graph taken in pose by pose, as far as the time since `clock` allows.
+    fn grown(&self, graph: &PoseGraph, clock: Instant) -> Result<Grown, Failure> {
+        let bar = progress("pose");
+        let grown = Grown::of(graph, &self.options(), &|| self.is_over(clock, &bar)).map_err(broken)?;
+        bar.finish_and_clear();
+        Ok(grown)
+    }
+
+    /// Whether time is over; asked once for each piece of work.
+    fn is_over(&self, clock: Instant, bar: &ProgressBar) -> bool {
+        bar.inc(1);
+        self.max_seconds.is_some_and(|most| clock.elapsed() >= most)
     }
 
     fn order(&self) -> Option<InformationOrder> {
@@ -163,6 +188,7 @@ impl Relax {
         let width = self.loss_width;
         RelaxOptions {
             start: match self.start {
+                _ if self.growing => Start::Guesses,
                 StartName::Best => Start::Best,
                 StartName::Guesses => Start::Guesses,
                 StartName::Odometry => Start::Odometry,
@@ -208,10 +234,15 @@ fn save(file: &Path, text: &str) -> Result<(), Failure> {
     fs::write(file, text).map_err(|error| Failure::writing(file, error))
 }
 
+fn broken(error: RelaxError) -> Failure {
+    Failure::Broken(error.to_string())
+}
+
 /// What a relaxation has done so far, on a terminal only.
-fn progress() -> ProgressBar {
+fn progress(of: &str) -> ProgressBar {
     let bar = ProgressBar::new_spinner();
-    if let Ok(style) = ProgressStyle::with_template("{spinner} relaxing for {elapsed}, factorisation {pos}") {
+    let told = format!("{{spinner}} relaxing for {{elapsed}}, {of} {{pos}}");
+    if let Ok(style) = ProgressStyle::with_template(&told) {
         bar.set_style(style);
     }
     if !bar.is_hidden() {
@@ -300,6 +331,14 @@ fn describe(text: &mut String, report: &RelaxationReport) -> std::fmt::Result {
     writeln!(text, "{} poses, {} edges", report.poses, report.edges)?;
     for note in &report.notes {
         writeln!(text, "  {note}")?;
+    }
+    if let Some(growing) = &report.growing {
+        let GrowthReport { poses, updates, relaxed, most_relaxed, seconds, slowest, .. } = growing;
+        writeln!(
+            text,
+            "{poses} poses taken in one after the other in {seconds:.3} s, {slowest:.4} s for the slowest"
+        )?;
+        writeln!(text, "  {updates} of them moved others: {relaxed} in all, {most_relaxed} at most")?;
     }
     let each = report.objective / report.degrees_of_freedom.max(1) as f64;
     writeln!(text, "objective {:.6}", report.objective)?;

@@ -53,7 +53,7 @@ pub use outlook::{Outlook, PredictedSlot, Prediction, Prospect};
 pub use pose_errors::{PoseError, PoseErrorRow, PoseErrors};
 pub use poses_svg::poses_svg;
 pub use refutation::{Alternative, EndedBranch, Refutation};
-pub use relaxation::{PartSize, RelaxationReport, RelaxationSeconds, StrainedEdge};
+pub use relaxation::{GrowthReport, PartSize, RelaxationReport, RelaxationSeconds, StrainedEdge};
 pub use report::{
     Assertion, Bound, Count, Extinction, Preferred, Relation, Report, StopReason, Strategy, profile_name,
 };

@@ -38,8 +38,43 @@ pub struct RelaxationReport {
     pub information_order: &'static str,
     /// What is to be known of the file read, and what of it the file written cannot say.
     pub notes: Vec<String>,
+    /// What it took to take the graph in pose by pose, where that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub growing: Option<GrowthReport>,
     /// How long it took.
     pub seconds: RelaxationSeconds,
+}
+
+/// What it took to take in a graph pose by pose.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct GrowthReport {
+    /// How many poses were taken in.
+    pub poses: usize,
+    /// How many of them came with measurements that asked poses to move.
+    pub updates: usize,
+    /// How many poses all updates together relaxed, and the largest of them.
+    pub relaxed: usize,
+    /// See `relaxed`.
+    pub most_relaxed: usize,
+    /// Steps of all updates together.
+    pub iterations: usize,
+    /// How long all poses took, by the clock.
+    pub seconds: f64,
+    /// How long the slowest pose took.
+    pub slowest: f64,
+}
+
+impl GrowthReport {
+    /// One pose more, which had so many relaxed in so many steps and so long.
+    pub fn took(&mut self, relaxed: usize, iterations: usize, seconds: f64) {
+        self.poses += 1;
+        self.updates += usize::from(relaxed > 0);
+        self.relaxed += relaxed;
+        self.most_relaxed = self.most_relaxed.max(relaxed);
+        self.iterations += iterations;
+        self.seconds += seconds;
+        self.slowest = self.slowest.max(seconds);
+    }
 }
 
 /// A connected part.
@@ -103,6 +138,7 @@ impl RelaxationReport {
             strained: strained(graph, answer),
             information_order: "g2o",
             notes: vec![],
+            growing: None,
             seconds: RelaxationSeconds::default(),
         }
     }

@@ -116,10 +116,9 @@ fn a_graph_fed_pose_by_pose_ends_near_the_best() {
     for (file, best) in [BEST[1], BEST[2]] {
         let graph = read(file).graph;
         let mut growing = IncrementalGraph::new(RelaxOptions::default());
-        for (number, id) in graph.ids().iter().enumerate() {
-            growing.add_pose(*id, None).unwrap();
-            let last = |edge: &&Edge| graph.number(edge.from.max(edge.to)) == Some(number);
-            graph.edges().iter().filter(last).for_each(|edge| growing.add_edge(*edge).unwrap());
+        for (id, edges) in graph.in_order() {
+            growing.add_pose(id, None).unwrap();
+            edges.iter().for_each(|edge| growing.add_edge(*edge).unwrap());
             growing.relax().unwrap();
         }
         let poses: Vec<Pose> = growing.poses().iter().map(|pose| pose.unwrap()).collect();

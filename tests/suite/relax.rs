@@ -188,6 +188,39 @@ fn time_ends_a_relaxation_and_says_so() {
     }
 }
 
+/// Pose by pose it comes to the same minimum; only poses that close a loop move others, at most all that are there. Poses
+/// of the file are not looked at, but where a part begins and where they are held.
+#[test]
+fn a_graph_taken_in_pose_by_pose_ends_where_the_whole_does() {
+    let whole = json(&fed(&["relax", "-", "--json"], square().as_bytes()));
+    assert!(whole.get("growing").is_none());
+    let misled = format!("VERTEX_SE2 0 5 6 1\nVERTEX_SE2 1 900 -70 2\n{}", square());
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out.g2o").to_str().unwrap().to_owned();
+    for (graph, gauge, first) in [
+        (square(), 0, "VERTEX_SE2 0 0 0 0\n"),
+        (misled.clone(), 0, "VERTEX_SE2 0 5 6 1\n"),
+        (format!("{misled}FIX 1\n"), 1, "VERTEX_SE2 1 900 -70 2\n"),
+    ] {
+        let grown = json(&fed(&["relax", "-", "--growing", "--json", "-o", &out], graph.as_bytes()));
+        let [a, b] = [&whole, &grown].map(|report| report["objective"].as_f64().unwrap());
+        assert!((a / b - 1.0).abs() < 1e-6, "{a} {b}");
+        assert_eq!((&grown["start"], &grown["gauge"]), (&"guesses".into(), &serde_json::json!([gauge])));
+        assert!(fs::read_to_string(&out).unwrap().contains(first), "{first}");
+        let growing = &grown["growing"];
+        // The last 21 poses close loops, through all poses but the one that is held.
+        assert_eq!((&growing["poses"], &growing["updates"]), (&41.into(), &21.into()));
+        assert_eq!(growing["relaxed"], (20..=40).sum::<u64>());
+        assert_eq!(growing["most_relaxed"], 40);
+    }
+    let words = fed(&["relax", "-", "--growing"], square().as_bytes());
+    assert!(text(&words.stdout).contains("41 poses taken in one after the other"));
+    assert!(text(&words.stdout).contains("21 of them moved others: 630 in all, 40 at most"));
+    assert_eq!(fed(&["relax", "-", "--growing", "--start", "best"], b"").status.code(), Some(2));
+    let cut = json(&fed(&["relax", "-", "--growing", "--json", "--max-seconds", "0"], square().as_bytes()));
+    assert_eq!((&cut["growing"]["poses"], &cut["outcome"]), (&0.into(), &"interrupted".into()));
+}
+
 /// A strain that no number holds, and one that rounding keeps from falling, are no success.
 #[test]
 fn numbers_too_large_are_told() {

@@ -161,6 +161,16 @@ impl PoseGraph {
         &self.ends
     }
 
+    /// The poses in the order in which they were added, each with the measurements between it and those before it: as a robot
+    /// that drives would tell of them.
+    pub fn in_order(&self) -> impl Iterator<Item = (PoseId, Vec<Edge>)> {
+        let mut edges_of = vec![vec![]; self.len()];
+        for (edge, [a, b]) in self.edges.iter().zip(&self.ends) {
+            edges_of[*a.max(b) as usize].push(*edge);
+        }
+        self.ids.iter().copied().zip(edges_of)
+    }
+
     /// The part of each pose, by the number of the first pose that edges join it to.
     pub fn parts(&self) -> Vec<usize> {
         parts(self).into_iter().map(|part| part as usize).collect()
