@@ -2,8 +2,9 @@
 
 use crate::classic::{Guide, Report, StopReason, best_first, breadth_first};
 use crate::cli::failure::Failure;
+use crate::cli::files::written;
 use crate::cli::input::Events;
-use crate::cli::map::{Map, StrategyName, written};
+use crate::cli::map::{Map, StrategyName};
 use crate::cli::words::numbers;
 use crate::export::{Relation, ViewReport, ViewStrategy, view_text};
 use crate::service::ViewSession;

@@ -5,27 +5,25 @@ use crate::cli::asked::{Asked, Said};
 use crate::cli::axiom_choice::AxiomChoice;
 use crate::cli::classic::{self, is_of_views};
 use crate::cli::failure::Failure;
+use crate::cli::files::{files, json, written};
 use crate::cli::input::{Events, read_arrivals, read_events};
 use crate::cli::log::{LogArgs, is_log};
 use crate::cli::mending::{Attempt, attempt};
 use crate::cli::patchwork::{Patchwork, or_left_out, patchwork, rank, strain_in_words};
 use crate::cli::poses::{pose_errors, poses_in_words};
-use crate::cli::standstill::{Stopped, map_in_words, pictures, stopped};
-use crate::cli::words::{certainty, in_words, reasons_in_words, truth_in_words};
+use crate::cli::standstill::{Stopped, map_in_words, stopped};
+use crate::cli::words::{in_words, reasons_in_words, truth_in_words};
 use crate::explanation::{Verdict, verdict as verdict_of};
-use crate::export::{
-    self, Explanation, MapGraph, Mark, PoseErrors, Truth, map_svg, map_text, mending_text, standstill_text,
-};
+use crate::export::{self, Explanation, Mark, PoseErrors, Truth, mending_text, standstill_text};
 use crate::service::{Limits, MapConfig, Session, SessionError};
 use crate::trace::recording::Arrival;
-use crate::trace::{Event, EventKind, write_event};
+use crate::trace::{Event, EventKind};
 use crate::visit::relations::Track;
 use crate::visit::truth::Timetable;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
-use std::fs;
 use std::io::{Write, stdout};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -328,80 +326,6 @@ pub(super) fn progress(events: usize) -> ProgressBar {
         bar.set_style(style);
     }
     bar
-}
-
-fn json(report: &export::Report) -> Result<String, Failure> {
-    serde_json::to_string_pretty(report).map_err(|error| Failure::Broken(error.to_string()))
-}
-
-/// What there is to be written of a map, by name.
-fn files(
-    events: &[Arc<Event>],
-    report: &Report,
-    wire: &export::Report,
-    stopped: Option<&Stopped>,
-    attempt: Option<&Attempt>,
-) -> Result<Vec<(String, Vec<u8>)>, Failure> {
-    let mut trace = Vec::new();
-    events.iter().try_for_each(|event| write_event(&mut trace, event))?;
-    let mut files =
-        vec![("trace.ndjson".to_owned(), trace), ("report.json".to_owned(), json(wire)?.into_bytes())];
-    let mending = wire.mending.as_deref();
-    let mended = mending.map(mending_text).unwrap_or_default();
-    let changed = mending.map(|mending| match mending.changes.len() {
-        1 => "; 1 reading changed".to_owned(),
-        count => format!("; {count} readings changed"),
-    });
-    let changed = changed.unwrap_or_default();
-    if let Some(stopped) = stopped
-        && let found = attempt.map_or(&stopped.before, |attempt| &attempt.found)
-        && let Some(candidate) = found.minimal.first()
-    {
-        let map = MapGraph::of(candidate);
-        let (title, said) = match mending {
-            None => {
-                let title = format!("Map before observation {}", stopped.why.observation);
-                (title, "nothing explains what came then".to_owned())
-            }
-            Some(mending) => {
-                let last = (mending.first + mending.explained).saturating_sub(1);
-                let title = format!("Map of observations {} to {last}", mending.first);
-                let all = mending.explained == mending.observations;
-                let what = if all { "all of them" } else { "the longest stretch that a map explains" };
-                (title, format!("{what}{changed}"))
-            }
-        };
-        let words = format!("{}\n{mended}{}", standstill_text(&stopped.why), map_text(&map));
-        files.push(("map.txt".into(), words.into_bytes()));
-        files.push(("map.svg".into(), map_svg(&map, &title, &said).into_bytes()));
-    }
-    if let (Some(candidate), Some(preferred)) = (report.minimal.first(), &wire.preferred) {
-        let map = MapGraph::of(candidate);
-        let certainty = certainty(&wire.candidates, preferred, wire.minimal.len());
-        files.push(("map.txt".into(), map_text(&map).into_bytes()));
-        let svg = map_svg(&map, "Preferred map", &certainty);
-        files.push(("map.svg".into(), svg.into_bytes()));
-    }
-    let concerned = stopped.map(|stopped| stopped.why.concerned()).into_iter().flatten();
-    let concerned = concerned.chain(mending.iter().flat_map(|mending| mending.observations_changed()));
-    files.extend(pictures(concerned.collect(), events, &|observation| {
-        mending.map(|mending| mending.remarks(observation)).unwrap_or_default()
-    }));
-    Ok(files)
-}
-
-/// Writes files into a folder and says so.
-pub(super) fn written(
-    folder: &Path,
-    files: impl IntoIterator<Item = (impl AsRef<Path>, Vec<u8>)>,
-) -> Result<(), Failure> {
-    fs::create_dir_all(folder).map_err(|error| Failure::writing(folder, error))?;
-    for (name, content) in files {
-        let file = folder.join(name);
-        fs::write(&file, content).map_err(|error| Failure::writing(&file, error))?;
-    }
-    eprintln!("written to {}", folder.display());
-    Ok(())
 }
 
 /// A number of seconds on the command line.
