@@ -20,7 +20,8 @@ impl RespondAsync {
         let lines: Vec<&str> = headers.get_all(PREFER).iter().filter_map(|line| line.to_str().ok()).collect();
         let preferences = || lines.iter().flat_map(|line| split(line)).map(named);
         let wait = preferences().find(|(name, _)| name == "wait").and_then(|(_, value)| value.parse().ok());
-        preferences().any(|(name, _)| name == "respond-async").then_some(RespondAsync { wait })
+        let asked = |(name, value): (String, &str)| name == "respond-async" && value.is_empty();
+        preferences().any(asked).then_some(RespondAsync { wait })
     }
 
     /// How long the client waits.
@@ -37,11 +38,12 @@ impl RespondAsync {
     }
 }
 
-/// The preferences of a line, with a comma between; commas in quotes are none.
+/// The preferences of a line, with a comma between; commas in quotes are none, nor are quotes after a backslash there.
 fn split(line: &str) -> impl Iterator<Item = &str> {
-    let mut quoted = false;
+    let (mut quoted, mut escaped) = (false, false);
     line.split(move |c| {
-        quoted ^= c == '"';
+        quoted ^= c == '"' && !escaped;
+        escaped = c == '\\' && quoted && !escaped;
         c == ',' && !quoted
     })
 }
@@ -73,7 +75,11 @@ mod tests {
             (&["respond-async, wait=-1"], once(None)),
             (&["respond-async, wait=soon"], once(None)),
             (&["respond-async, wait=99999999999"], once(None)),
+            (&["respond-async=\"\""], once(None)),
+            (&["respond-async=false"], None),
             (&["foo=\"a, respond-async, b\""], None),
+            (&["foo=\"a\\\", respond-async, b\""], None),
+            (&["foo=\"a\\\\\", respond-async"], once(None)),
             (&["respond-asynchronously"], None),
             (&[""], None),
         ] {
