@@ -1,17 +1,17 @@
 //! Jobs: work with a number, begun by one request, looked at and ended by others.
 //!
 //! Some run at a time, first come, first served, on the threads that such work has anyway. A job is of the map as it was when
-//! it was asked for. What has ended is kept for a while, within bounds of number and size; nothing runs to forget it, as
-//! whoever looks next does.
+//! it was asked for; whoever asks for the same before it has ended has the same job. What has ended is kept for a while,
+//! within bounds of number and size; nothing runs to forget it, as whoever looks next does.
 
+use crate::abduction::Report;
 use crate::service::problem::{Problem, ProblemKind};
 use crate::service::representation::Representation;
 use crate::service::{Limits, MapsError, Panicked};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::thread::available_parallelism;
-use std::time::{Duration, Instant, SystemTime};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use tokio::sync::{Semaphore, watch};
 use tokio::task::AbortHandle;
 use tokio::time::timeout;
@@ -21,7 +21,6 @@ use utoipa::ToSchema;
 #[derive(Clone)]
 pub(super) struct Jobs {
     limits: Limits,
-    /// Half of the threads, so that whoever waits for an answer finds the others free.
     turns: Arc<Semaphore>,
     kept: Arc<Mutex<Kept>>,
 }
@@ -29,7 +28,7 @@ pub(super) struct Jobs {
 /// A job as it is now.
 #[derive(Clone, Debug)]
 pub(super) struct Job {
-    /// Its number; jobs count up from 1.
+    /// Its number; jobs count up.
     pub(super) id: u64,
     /// What it makes.
     pub(super) order: Arc<Order>,
@@ -50,6 +49,8 @@ pub(super) struct Order {
     pub(super) of: String,
     /// The number of the first event that it does not know.
     pub(super) next_seq: u64,
+    /// What the map had found, all that the answer at an address depends on.
+    pub(super) found: Weak<Report>,
 }
 
 /// What kind of thing a job makes.
@@ -78,7 +79,6 @@ pub(super) enum Progress {
 }
 
 /// In the order of their numbers.
-#[derive(Default)]
 struct Kept {
     last: u64,
     jobs: BTreeMap<u64, Entry>,
@@ -88,6 +88,14 @@ struct Entry {
     job: watch::Sender<Job>,
     task: AbortHandle,
     ended: Option<Instant>,
+    /// How many asked for it, without those who gave up waiting.
+    clients: usize,
+}
+
+impl Order {
+    fn is(&self, other: &Order) -> bool {
+        self.of == other.of && Weak::ptr_eq(&self.found, &other.found)
+    }
 }
 
 impl Progress {
@@ -108,20 +116,27 @@ impl Progress {
 }
 
 impl Jobs {
-    /// No jobs yet.
-    pub(super) fn new(limits: Limits) -> Jobs {
-        let threads = available_parallelism().map_or(1, |n| n.get());
-        Jobs { limits, turns: Arc::new(Semaphore::new((threads / 2).max(1))), kept: Arc::default() }
+    /// No jobs yet, and turns for so many at once. Numbers go on from the clock, milliseconds since 1970, so that none is that
+    /// of a job before the service was started again.
+    pub(super) fn new(limits: Limits, turns: usize) -> Jobs {
+        let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let last = u64::try_from(since.as_millis()).unwrap_or_default();
+        let kept = Kept { last, jobs: BTreeMap::new() };
+        Jobs { limits, turns: Arc::new(Semaphore::new(turns)), kept: Arc::new(Mutex::new(kept)) }
     }
 
-    /// Begins a job as soon as it has its turn. Refused where as many as there may be have not ended; else the one that ended
-    /// first makes room.
+    /// The job under way for the same, or a new one, which begins as soon as it has its turn. Refused where as many as there
+    /// may be have not ended; else the one that ended first makes room.
     pub(super) fn begin(
         &self,
         order: Order,
         work: impl Future<Output = Result<Arc<Representation>, Problem>> + Send + 'static,
-    ) -> Result<Job, Problem> {
+    ) -> Result<watch::Receiver<Job>, Problem> {
         let mut kept = self.kept();
+        if let Some(same) = kept.under_way(&order) {
+            same.clients += 1;
+            return Ok(same.job.subscribe());
+        }
         while kept.jobs.len() >= self.limits.jobs {
             if !kept.forget_first(Progress::is_end) {
                 let detail = format!(
@@ -133,10 +148,16 @@ impl Jobs {
         }
         kept.last += 1;
         let id = kept.last;
-        let job = Job { id, order: Arc::new(order), progress: Progress::Queued, began: None, ended: None };
+        let (job, told) = watch::channel(Job {
+            id,
+            order: Arc::new(order),
+            progress: Progress::Queued,
+            began: None,
+            ended: None,
+        });
         let task = tokio::spawn(self.clone().run(id, work)).abort_handle();
-        kept.jobs.insert(id, Entry { job: watch::Sender::new(job.clone()), task, ended: None });
-        Ok(job)
+        kept.jobs.insert(id, Entry { job, task, ended: None, clients: 1 });
+        Ok(told)
     }
 
     /// The job of a number.
@@ -149,22 +170,31 @@ impl Jobs {
         self.kept().jobs.values().map(|entry| entry.job.borrow().clone()).collect()
     }
 
-    /// A job once it has ended, or as it is after that long.
-    pub(super) async fn ended_within(&self, job: Job, longest: Duration) -> Job {
-        let told = self.kept().jobs.get(&job.id).map(|entry| entry.job.subscribe());
-        let Some(mut told) = told else { return job };
+    /// A job once it has ended, or as it is after that long. It is cancelled if all who asked for it go away before: nobody
+    /// else waits for it, as they were never told its number.
+    pub(super) async fn ended_within(&self, mut told: watch::Receiver<Job>, longest: Duration) -> Job {
+        let mut waiting = Waiting { jobs: self, id: Some(told.borrow().id) };
         // Whatever came of waiting, what was told last is what there is.
         let _ = timeout(longest, told.wait_for(|job| job.progress.is_end())).await;
+        waiting.id = None;
         told.borrow().clone()
     }
 
     /// Ends a job, unless it has ended. Whether there is such a job.
     pub(super) fn cancel(&self, id: u64) -> bool {
-        let task = self.kept().jobs.get(&id).map(|entry| entry.task.clone());
-        let Some(task) = task else { return false };
-        self.end(id, Progress::Cancelled);
-        // The work is told to stop as its future is dropped. Not while the lock is held, which that takes as well.
-        task.abort();
+        self.cancel_if(id, |_| true)
+    }
+
+    fn cancel_if(&self, id: u64, so: impl FnOnce(&mut Entry) -> bool) -> bool {
+        let mut kept = self.kept();
+        let Some(entry) = kept.jobs.get_mut(&id) else { return false };
+        let task = entry.task.clone();
+        if so(entry) {
+            kept.end(id, Progress::Cancelled, self.limits.job_bytes);
+            drop(kept);
+            // The work is told to stop as its future is dropped. Not while the lock is held, which that takes as well.
+            task.abort();
+        }
         true
     }
 
@@ -180,16 +210,8 @@ impl Jobs {
         self.end(id, work.await.map_or_else(Progress::Failed, Progress::Done));
     }
 
-    /// What has ended ends no more.
     fn end(&self, id: u64, progress: Progress) {
-        let mut kept = self.kept();
-        let Some(entry) = kept.jobs.get_mut(&id).filter(|entry| entry.ended.is_none()) else { return };
-        entry.ended = Some(Instant::now());
-        entry.job.send_modify(|job| (job.progress, job.ended) = (progress, Some(SystemTime::now())));
-        // One answer is kept, however large.
-        while kept.answers() > 1 && kept.bytes() > self.limits.job_bytes {
-            kept.forget_first(Progress::is_done);
-        }
+        self.kept().end(id, progress, self.limits.job_bytes);
     }
 
     /// Those that did not end too long ago. Every change is one insertion or removal, so a panic elsewhere cannot leave the
@@ -202,6 +224,22 @@ impl Jobs {
 }
 
 impl Kept {
+    fn under_way(&mut self, order: &Order) -> Option<&mut Entry> {
+        let same = |entry: &&mut Entry| entry.ended.is_none() && entry.job.borrow().order.is(order);
+        self.jobs.values_mut().find(same)
+    }
+
+    /// What has ended ends no more.
+    fn end(&mut self, id: u64, progress: Progress, most_bytes: usize) {
+        let Some(entry) = self.jobs.get_mut(&id).filter(|entry| entry.ended.is_none()) else { return };
+        entry.ended = Some(Instant::now());
+        entry.job.send_modify(|job| (job.progress, job.ended) = (progress, Some(SystemTime::now())));
+        // One answer is kept, however large.
+        while self.answers() > 1 && self.bytes() > most_bytes {
+            self.forget_first(Progress::is_done);
+        }
+    }
+
     fn answers(&self) -> usize {
         self.jobs.values().filter(|entry| entry.job.borrow().progress.is_done()).count()
     }
@@ -231,15 +269,33 @@ impl Drop for EndOnDrop<'_> {
     }
 }
 
+/// One who asked for a job, and gives it up unless told otherwise.
+struct Waiting<'a> {
+    jobs: &'a Jobs,
+    id: Option<u64>,
+}
+
+impl Drop for Waiting<'_> {
+    fn drop(&mut self) {
+        let Some(id) = self.id else { return };
+        self.jobs.cancel_if(id, |entry| {
+            entry.clients -= 1;
+            entry.clients == 0
+        });
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use std::future::{pending, ready};
+    use tokio::task::yield_now;
 
     const SOON: Duration = Duration::from_secs(60);
+    const NOT_LONG: Duration = Duration::from_millis(20);
 
-    fn order() -> Order {
-        Order { kind: JobKind::Grid, of: "/grid".into(), next_seq: 0 }
+    fn order(of: &str) -> Order {
+        Order { kind: JobKind::Grid, of: of.into(), next_seq: 0, found: Weak::new() }
     }
 
     fn made(bytes: usize) -> Result<Arc<Representation>, Problem> {
@@ -250,51 +306,96 @@ mod tests {
         jobs.list().iter().map(|job| job.id).collect()
     }
 
+    fn endless(jobs: &Jobs, of: &str) -> Option<u64> {
+        jobs.begin(order(of), pending()).ok().map(|told| told.borrow().id)
+    }
+
+    fn progress(jobs: &Jobs, id: u64) -> Progress {
+        jobs.get(id).unwrap().progress
+    }
+
     async fn done(jobs: &Jobs, bytes: usize) -> u64 {
-        let job = jobs.begin(order(), ready(made(bytes))).unwrap();
-        let ended = jobs.ended_within(job, SOON).await;
-        assert!(matches!(ended.progress, Progress::Done(_)) && ended.began <= ended.ended, "{ended:?}");
+        let told = jobs.begin(order("done"), ready(made(bytes))).unwrap();
+        let ended = jobs.ended_within(told, SOON).await;
+        assert!(ended.progress.is_done() && ended.began <= ended.ended, "{ended:?}");
         ended.id
     }
 
     #[tokio::test]
     async fn what_ended_first_makes_room() {
-        let jobs = Jobs::new(Limits { jobs: 3, ..Limits::default() });
-        let endless = jobs.begin(order(), pending()).unwrap();
-        let queued = jobs.begin(order(), pending()).unwrap();
-        let third = jobs.begin(order(), pending()).unwrap();
-        assert!(jobs.begin(order(), pending()).is_err());
-        assert!(jobs.cancel(third.id) && jobs.cancel(queued.id));
-        let fourth = jobs.begin(order(), pending()).unwrap();
-        assert_eq!(ids(&jobs), [endless.id, queued.id, fourth.id]);
-        assert_eq!((endless.id, fourth.id), (1, 4));
+        let jobs = Jobs::new(Limits { jobs: 3, ..Limits::default() }, 1);
+        let [first, second, third] = ["a", "b", "c"].map(|of| endless(&jobs, of).unwrap());
+        assert!(endless(&jobs, "d").is_none());
+        assert!(jobs.cancel(third) && jobs.cancel(second));
+        let fourth = endless(&jobs, "d").unwrap();
+        assert_eq!(ids(&jobs), [first, second, fourth]);
     }
 
     #[tokio::test]
     async fn answers_are_kept_within_bounds_of_size_and_time() {
-        let jobs = Jobs::new(Limits { job_bytes: 100, ..Limits::default() });
+        let jobs = Jobs::new(Limits { job_bytes: 100, ..Limits::default() }, 1);
+        let mut all = Vec::new();
         for bytes in [40, 50, 30] {
-            done(&jobs, bytes).await;
+            all.push(done(&jobs, bytes).await);
         }
-        assert_eq!(ids(&jobs), [2, 3]);
-        done(&jobs, 1000).await;
-        assert_eq!(ids(&jobs), [4]);
-        let jobs = Jobs::new(Limits { job_kept: Duration::ZERO, ..Limits::default() });
-        done(&jobs, 1).await;
-        assert!(jobs.list().is_empty() && jobs.get(1).is_none());
+        assert_eq!(ids(&jobs), all[1..]);
+        let large = done(&jobs, 1000).await;
+        assert_eq!(ids(&jobs), [large]);
+        let jobs = Jobs::new(Limits { job_kept: Duration::ZERO, ..Limits::default() }, 1);
+        let id = done(&jobs, 1).await;
+        assert!(jobs.list().is_empty() && jobs.get(id).is_none());
+        // Whoever asked is told, even if it was forgotten before they came to wait.
+        let told = jobs.begin(order("done"), ready(made(1))).unwrap();
+        while !told.borrow().progress.is_end() {
+            yield_now().await;
+        }
+        assert!(jobs.list().is_empty() && jobs.ended_within(told, SOON).await.progress.is_done());
+    }
+
+    /// A client that knows a number from before the service was started again is not told of another job.
+    #[tokio::test]
+    async fn numbers_go_on_when_the_service_starts_again() {
+        let before = done(&Jobs::new(Limits::default(), 1), 1).await;
+        tokio::time::sleep(NOT_LONG).await;
+        assert!(done(&Jobs::new(Limits::default(), 1), 1).await > before);
     }
 
     /// A job that has its turn holds up others as long as it is not cancelled, and what breaks off has failed.
     #[tokio::test]
     async fn a_turn_ends_with_its_job() {
-        let jobs = Jobs { turns: Arc::new(Semaphore::new(1)), ..Jobs::new(Limits::default()) };
-        let first = jobs.begin(order(), pending()).unwrap();
-        let second = jobs.begin(order(), async { panic!("broken") }).unwrap();
-        let waiting = jobs.ended_within(second.clone(), Duration::from_millis(20)).await;
+        let jobs = Jobs::new(Limits::default(), 1);
+        let first = endless(&jobs, "a").unwrap();
+        let second = jobs.begin(order("b"), async { panic!("broken") }).unwrap();
+        let waiting = jobs.ended_within(second.clone(), NOT_LONG).await;
         assert!(matches!(waiting.progress, Progress::Queued) && waiting.began.is_none(), "{waiting:?}");
-        assert!(matches!(jobs.get(first.id).unwrap().progress, Progress::Running));
-        assert!(jobs.cancel(first.id) && jobs.cancel(first.id) && !jobs.cancel(7));
+        assert!(matches!(progress(&jobs, first), Progress::Running));
+        assert!(jobs.cancel(first) && jobs.cancel(first) && !jobs.cancel(7));
         assert!(matches!(jobs.ended_within(second, SOON).await.progress, Progress::Failed(_)));
-        assert!(matches!(jobs.get(first.id).unwrap().progress, Progress::Cancelled));
+        assert!(matches!(progress(&jobs, first), Progress::Cancelled));
+    }
+
+    #[tokio::test]
+    async fn a_job_is_cancelled_when_the_last_gives_it_up() {
+        let jobs = Jobs::new(Limits::default(), 1);
+        let asking = || {
+            let jobs = jobs.clone();
+            let told = jobs.begin(order("a"), pending()).unwrap();
+            let id = told.borrow().id;
+            (id, tokio::spawn(async move { jobs.ended_within(told, SOON).await }))
+        };
+        let [(id, one), (same, other)] = [asking(), asking()];
+        yield_now().await;
+        assert_eq!((ids(&jobs), same), (vec![id], id));
+        for (gone, is_end) in [(one, false), (other, true)] {
+            gone.abort();
+            assert!(gone.await.is_err());
+            assert_eq!(progress(&jobs, id).is_end(), is_end);
+        }
+        // Whoever was told its number may come back.
+        let (id, gone) = asking();
+        assert_eq!(endless(&jobs, "a"), Some(id));
+        yield_now().await;
+        gone.abort();
+        assert!(gone.await.is_err() && !progress(&jobs, id).is_end());
     }
 }

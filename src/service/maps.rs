@@ -20,7 +20,7 @@ pub struct Maps {
     /// Apart, so that a read never waits for a search.
     searches: Workers,
     reads: Workers,
-    /// Apart too: what may take long holds up neither.
+    /// Apart too: what may take long holds up neither. There are two at least, as jobs take half of them.
     patchworks: Workers,
 }
 
@@ -53,7 +53,7 @@ struct LiveMap {
 impl Maps {
     /// The maps of a store.
     pub fn new(store: Arc<dyn Store>, limits: Limits) -> Self {
-        let [searches, reads, patchworks] = std::array::from_fn(|_| Workers::default());
+        let (searches, reads, patchworks) = (Workers::default(), Workers::default(), Workers::at_least(2));
         Maps { store, limits, live: Arc::default(), searches, reads, patchworks }
     }
 
@@ -113,6 +113,11 @@ impl Maps {
     /// The relaxations and grids in the making, and those that have ended.
     pub fn patchworks(&self) -> Workload {
         self.patchworks.workload()
+    }
+
+    /// How many relaxations and grids may be in the making at once.
+    pub fn patchwork_threads(&self) -> usize {
+        self.patchworks.threads()
     }
 
     /// What a view found, with the simplest maps in order. One of those who wait relaxes them, and all others wait without a

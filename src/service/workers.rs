@@ -1,4 +1,4 @@
-//! Threads for work that computes: never more at once than there are processors.
+//! Threads for work that computes: about as many at once as there are processors.
 
 use std::cell::Cell;
 use std::sync::Arc;
@@ -40,13 +40,23 @@ pub struct Panicked;
 
 impl Default for Workers {
     fn default() -> Self {
-        Workers::of(available_parallelism().map_or(1, |n| n.get()))
+        Workers::at_least(1)
     }
 }
 
 impl Workers {
+    /// As many threads as there are processors, but no fewer than that.
+    pub fn at_least(threads: usize) -> Workers {
+        Workers::of(available_parallelism().map_or(threads, |n| n.get().max(threads)))
+    }
+
     fn of(threads: usize) -> Workers {
         Workers { threads, free: Arc::new(Semaphore::new(threads)), count: Arc::default() }
+    }
+
+    /// How many computations may run at once.
+    pub fn threads(&self) -> usize {
+        self.threads
     }
 
     /// What there is to do. What has ended is counted before its thread is free.

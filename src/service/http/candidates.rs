@@ -150,7 +150,7 @@ pub(super) async fn get_preferred(
     responses(
         (status = 200, description = "Places, paths, path segments and frontier", body = MapGraph,
             headers(("ETag" = String, description = "Changes with the answer"))),
-        (status = 202, description = "A job makes it", body = JobDocument,
+        (status = 202, description = "A job makes it, unless someone cancels it", body = JobDocument,
             headers(
                 ("Location" = String, description = "The address of the job"),
                 ("Retry-After" = u64, description = "Seconds after which to look at it"),
@@ -160,7 +160,8 @@ pub(super) async fn get_preferred(
         (status = 400, description = "The query is wrong"),
         (status = 404, description = "No such map or candidate, no observation, or nothing explains the events"),
         (status = 422, description = "The name is not one"),
-        (status = 503, description = "The poses take too long, or there are too many jobs"),
+        (status = 503, description = "The poses take too long, or there are too many jobs",
+            headers(("Retry-After" = u64, description = "Too many jobs: seconds after which to ask again"))),
     )
 )]
 pub(super) async fn get_graph(

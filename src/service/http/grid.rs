@@ -28,8 +28,7 @@ pub(super) struct Picture(Vec<u8>);
 ///
 /// The grids of all observations that hang together with the first, laid over each other where relaxation puts them. JSON is
 /// in the form in which a trace has an LPM; pictures are in the greys of `map_server`, and JSON of the same resolution says
-/// where they lie. Whoever does not wait for the answer ends the work, and
-/// whoever would rather not wait has a job made of it.
+/// where they lie. Whoever does not wait for the answer ends the work, and whoever would rather not wait has a job made of it.
 #[utoipa::path(
     get, path = "/v1/maps/{map}/candidates/{candidate}/grid", tag = "maps", operation_id = "get_grid",
     params(
@@ -49,7 +48,7 @@ pub(super) struct Picture(Vec<u8>);
                 (Picture = "image/x-portable-graymap"),
             ),
             headers(("ETag" = String, description = "Changes with the answer"))),
-        (status = 202, description = "A job makes it", body = JobDocument,
+        (status = 202, description = "A job makes it, unless someone cancels it", body = JobDocument,
             headers(
                 ("Location" = String, description = "The address of the job"),
                 ("Retry-After" = u64, description = "Seconds after which to look at it"),
@@ -61,7 +60,8 @@ pub(super) struct Picture(Vec<u8>);
                                       have not what a patchwork is made of"),
         (status = 406, description = "The header Accept names no form that there is"),
         (status = 422, description = "The name is not one, or the grid would be too large"),
-        (status = 503, description = "It takes too long, or there are too many jobs"),
+        (status = 503, description = "It takes too long, or there are too many jobs",
+            headers(("Retry-After" = u64, description = "Too many jobs: seconds after which to ask again"))),
     )
 )]
 pub(super) async fn get_grid(

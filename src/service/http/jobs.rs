@@ -11,8 +11,9 @@ use axum::extract::{FromRequestParts, Path, State};
 use axum::http::request::Parts;
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use humantime::format_rfc3339_millis;
 use serde::Serialize;
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::{SystemTime, UNIX_EPOCH};
 use utoipa::ToSchema;
 
 /// Seconds after which it is worth while to look at a job again.
@@ -34,12 +35,14 @@ pub(super) struct JobDocument {
     next_seq: u64,
     /// How far it is.
     status: JobStatus,
-    /// When it had its turn, seconds since 1970-01-01 UTC.
+    /// When it had its turn, RFC 3339 in UTC.
     #[serde(skip_serializing_if = "Option::is_none")]
-    began: Option<f64>,
-    /// When it came to an end, seconds since 1970-01-01 UTC.
+    #[schema(format = DateTime)]
+    began: Option<String>,
+    /// When it came to an end, RFC 3339 in UTC.
     #[serde(skip_serializing_if = "Option::is_none")]
-    ended: Option<f64>,
+    #[schema(format = DateTime)]
+    ended: Option<String>,
     /// The address of what it made.
     #[serde(skip_serializing_if = "Option::is_none")]
     result: Option<String>,
@@ -93,7 +96,9 @@ impl JobDocument {
             Progress::Cancelled => (JobStatus::Cancelled, None, None),
         };
         let Job { id, order, began, ended, .. } = job;
-        let [began, ended] = [began, ended].map(|time| time.as_ref().map(seconds));
+        // Times before 1970 cannot be written so.
+        let text = |time: &SystemTime| format_rfc3339_millis(*time.max(&UNIX_EPOCH)).to_string();
+        let [began, ended] = [began, ended].map(|time| time.as_ref().map(text));
         JobDocument {
             id: *id,
             kind: order.kind,
@@ -180,12 +185,17 @@ pub(super) async fn get_job_result(
     JobPath(id): JobPath,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    answer(&jobs.get(id).ok_or_else(|| unknown(&id.to_string()))?, &headers)
+    let job = jobs.get(id).ok_or_else(|| unknown(&id.to_string()))?;
+    if let Progress::Cancelled = job.progress {
+        let detail = format!("job {id} was cancelled; ask again for {}", job.order.of);
+        return Err(Problem::new(ProblemKind::JobCancelled, detail));
+    }
+    answer(&job, &headers)
 }
 
 /// Cancel a job.
 ///
-/// Its work ends at once. Of a job that has ended nothing changes.
+/// Its work ends at once, for all who asked for it. Of a job that has ended nothing changes.
 #[utoipa::path(
     delete, path = "/v1/jobs/{job}", tag = "jobs", operation_id = "cancel_job",
     params(("job" = u64, Path, description = "Number of the job")),
@@ -201,40 +211,14 @@ pub(super) async fn cancel_job(
     jobs.cancel(id).then_some(StatusCode::NO_CONTENT).ok_or_else(|| unknown(&id.to_string()))
 }
 
-/// What a job made, or why it did not, or that it has not ended.
+/// What a job made, or why it could not, or the job itself.
 pub(super) fn answer(job: &Job, request: &HeaderMap) -> Result<Response, Problem> {
     match &job.progress {
         Progress::Done(made) => Ok(made.answer(request)),
         Progress::Failed(problem) => Err(problem.clone()),
-        Progress::Cancelled => {
-            let detail = format!("job {} was cancelled; ask again for {}", job.id, job.order.of);
-            Err(Problem::new(ProblemKind::JobCancelled, detail))
-        }
-        Progress::Queued | Progress::Running => {
+        Progress::Queued | Progress::Running | Progress::Cancelled => {
             let headers = [(header::LOCATION, address(job)), (header::RETRY_AFTER, RETRY_AFTER.into())];
             Ok((StatusCode::ACCEPTED, headers, Json(JobDocument::of(job))).into_response())
-        }
-    }
-}
-
-/// A job whose client does not know it yet: it ends with the connection, as nobody else waits for it.
-struct CancelOnDrop<'a> {
-    jobs: &'a Jobs,
-    id: Option<u64>,
-}
-
-/// A job once it has ended, or as it is after that long. Whoever goes away before ends it.
-pub(super) async fn wait(jobs: &Jobs, job: Job, longest: Duration) -> Job {
-    let mut waiting = CancelOnDrop { jobs, id: Some(job.id) };
-    let job = jobs.ended_within(job, longest).await;
-    waiting.id = None;
-    job
-}
-
-impl Drop for CancelOnDrop<'_> {
-    fn drop(&mut self) {
-        if let Some(id) = self.id {
-            self.jobs.cancel(id);
         }
     }
 }
@@ -264,9 +248,4 @@ fn address(job: &Job) -> String {
 
 fn path(address: &str) -> &str {
     address.split('?').next().unwrap_or_default()
-}
-
-/// Since 1970, in whole milliseconds.
-fn seconds(time: &SystemTime) -> f64 {
-    time.duration_since(UNIX_EPOCH).map_or(0.0, |since| since.as_millis() as f64 / 1000.0)
 }

@@ -2,7 +2,7 @@
 
 use crate::service::http::answer::{is_known, not_modified, ranked_for};
 use crate::service::http::extract::CandidateName;
-use crate::service::http::jobs::{RETRY_AFTER_FULL, answer, wait};
+use crate::service::http::jobs::{RETRY_AFTER_FULL, answer};
 use crate::service::http::prefer::RespondAsync;
 use crate::service::http::served::Served;
 use crate::service::jobs::{JobKind, Order};
@@ -76,7 +76,8 @@ where
     }
     let (view, candidate) = (Arc::clone(&asked.view), asked.candidate);
     maps.read(move || candidate.position(&view, &view.unranked())).await??;
-    let order = Order { kind: asked.kind, of: asked.of.clone(), next_seq: asked.view.next_seq };
+    let found = Arc::downgrade(&asked.view.report);
+    let order = Order { kind: asked.kind, of: asked.of.clone(), next_seq: asked.view.next_seq, found };
     let (maps, longest) = (maps.clone(), maps.limits().job_time);
     let work = async move {
         let ranked = ranked_for(&maps, &asked.view, &[asked.candidate], longest).await?;
@@ -86,9 +87,9 @@ where
         }
     };
     let job = match jobs.begin(order, work) {
-        Ok(job) => match preference.patience() {
-            Duration::ZERO => job,
-            patience => wait(jobs, job, patience).await,
+        Ok(told) => match preference.patience() {
+            Duration::ZERO => told.borrow().clone(),
+            patience => jobs.ended_within(told, patience).await,
         },
         Err(full) => return Ok(([(header::RETRY_AFTER, RETRY_AFTER_FULL)], full).into_response()),
     };

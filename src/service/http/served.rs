@@ -16,7 +16,8 @@ pub(super) struct Served {
 impl Served {
     /// A service of these maps, without jobs yet.
     pub(super) fn new(maps: Maps) -> Served {
-        let jobs = Jobs::new(*maps.limits());
+        // Half of the threads, so that whoever waits for an answer finds the others free.
+        let jobs = Jobs::new(*maps.limits(), maps.patchwork_threads() / 2);
         Served { maps, jobs }
     }
 }

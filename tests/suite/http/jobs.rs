@@ -4,14 +4,16 @@ use crate::http::client::{Answer, Client, NDJSON};
 use crate::http::patchwork::{GRAPH, GRID, busy, holding, ndjson, office, with_office};
 use axum::body::Body;
 use axum::http::{Method, Request, header};
+use humantime::parse_rfc3339;
 use serde_json::{Value, json};
 use std::sync::Arc;
-use std::thread::available_parallelism;
 use std::time::Duration;
+use tokio::task::JoinHandle;
 use tokio::time::{sleep, timeout};
 use topostar::service::{Limits, Maps, MemoryStore, Workload};
 
 const ASYNC: &str = "respond-async";
+const OTHER: &str = "/v1/maps/office/candidates/0/graph";
 const SOON: Duration = Duration::from_secs(120);
 
 /// A client of a map `office` that took the walk, and the maps behind it.
@@ -25,8 +27,8 @@ fn large() -> Limits {
     Limits { cells_per_answer: 64 << 20, ..Limits::default() }
 }
 
-fn large_grid() -> String {
-    format!("{GRID}?format=pgm&resolution=0.01")
+fn large_grid(candidate: usize) -> String {
+    format!("/v1/maps/office/candidates/{candidate}/grid?format=pgm&resolution=0.01")
 }
 
 async fn preferring(client: &Client, path: &str, prefer: &str) -> Answer {
@@ -38,6 +40,12 @@ async fn begun(client: &Client, path: &str) -> String {
     let answer = preferring(client, path, ASYNC).await;
     assert_eq!(answer.status, 202, "{}", String::from_utf8_lossy(&answer.body));
     answer.headers[header::LOCATION].to_str().unwrap().to_owned()
+}
+
+/// The address of the job that was begun last.
+async fn last(client: &Client) -> String {
+    let jobs = client.get("/v1/jobs").await.json();
+    format!("/v1/jobs/{}", jobs["jobs"].as_array().unwrap().last().unwrap()["id"])
 }
 
 async fn status(client: &Client, job: &str) -> String {
@@ -79,10 +87,12 @@ async fn a_job_makes_what_a_client_would_have_waited_for() {
     let next_seq = office().events.len();
     let grid = format!("{GRID}?resolution=0.1&format=json");
     let picture = format!("{GRID}?resolution=0.1&format=png");
-    for (id, (kind, path)) in (1..).zip([("graph", GRAPH), ("grid", &grid), ("grid", &picture)]) {
+    let mut begun = Vec::new();
+    for (kind, path) in [("graph", GRAPH), ("grid", &grid), ("grid", &picture)] {
         let accepted = preferring(&client, path, ASYNC).await;
-        let address = format!("/v1/jobs/{id}");
         assert_eq!(accepted.status, 202);
+        let id = accepted.json()["id"].as_u64().unwrap();
+        let address = format!("/v1/jobs/{id}");
         for (name, value) in
             [("location", address.as_str()), ("retry-after", "1"), ("preference-applied", ASYNC)]
         {
@@ -97,8 +107,10 @@ async fn a_job_makes_what_a_client_would_have_waited_for() {
         }
         let result = format!("{address}/result");
         assert_eq!((&done["status"], &done["result"]), (&json!("done"), &json!(result)));
-        let [began, ended] = ["began", "ended"].map(|when| done[when].as_f64().unwrap());
-        assert!(1.7e9 < began && began <= ended, "{done}");
+        let [began, ended] =
+            ["began", "ended"].map(|when| parse_rfc3339(done[when].as_str().unwrap()).unwrap());
+        let longest = ended.duration_since(began).unwrap();
+        assert!(began.elapsed().unwrap() < SOON && longest < SOON, "{done}");
         let expected = waiting.get(path).await;
         let busy = busy(&maps).await;
         for answer in [client.get(&result), client.get(path)] {
@@ -114,12 +126,15 @@ async fn a_job_makes_what_a_client_would_have_waited_for() {
         assert_eq!((again.status.as_u16(), again.headers.contains_key("preference-applied")), (200, false));
         drop(busy);
         running(&maps, 0).await;
+        begun.push(id);
     }
     let list = client.get("/v1/jobs").await;
     let ids: Vec<u64> =
         list.json()["jobs"].as_array().unwrap().iter().map(|job| job["id"].as_u64().unwrap()).collect();
-    assert_eq!(ids, [1, 2, 3]);
-    for path in ["/v1/jobs", "/v1/jobs/2", "/v1/jobs/2/result"] {
+    assert_eq!(ids, begun);
+    assert!(begun.is_sorted());
+    let job = format!("/v1/jobs/{}", begun[1]);
+    for path in ["/v1/jobs", &job, &format!("{job}/result")] {
         let tag = client.get(path).await.headers[header::ETAG].clone();
         let known = Request::get(path).header(header::IF_NONE_MATCH, &tag).body(Body::empty()).unwrap();
         assert_eq!(client.send(known).await.status, 304, "{path}");
@@ -134,7 +149,7 @@ async fn a_job_is_of_the_form_that_was_accepted() {
     let request = request.header(header::ACCEPT, "image/png").body(Body::empty()).unwrap();
     let job = client.send(request).await.json();
     assert_eq!(job["of"], format!("{GRID}?resolution=0.2&format=png"));
-    let done = ended(&client, "/v1/jobs/1").await;
+    let done = ended(&client, &last(&client).await).await;
     let answer = client.get(done["result"].as_str().unwrap()).await;
     assert_eq!(answer.headers[header::CONTENT_TYPE], "image/png");
 }
@@ -142,10 +157,10 @@ async fn a_job_is_of_the_form_that_was_accepted() {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_cancelled_job_leaves_its_thread() {
     let (client, maps) = with_maps(large(), "").await;
-    let turns = (available_parallelism().unwrap().get() / 2).max(1);
+    let turns = maps.patchwork_threads() / 2;
     let mut jobs = Vec::new();
-    for _ in 0..=turns {
-        jobs.push(begun(&client, &large_grid()).await);
+    for candidate in 0..=turns {
+        jobs.push(begun(&client, &large_grid(candidate)).await);
     }
     running(&maps, turns).await;
     assert_eq!(
@@ -161,7 +176,7 @@ async fn a_cancelled_job_leaves_its_thread() {
         }
         let cancelled = client.get(job).await.json();
         assert_eq!(cancelled["status"], "cancelled");
-        assert!(cancelled["ended"].is_f64() && cancelled.get("result").is_none(), "{cancelled}");
+        assert!(cancelled["ended"].is_string() && cancelled.get("result").is_none(), "{cancelled}");
         client.get(&format!("{job}/result")).await.problem(410, "job-cancelled");
     }
     assert!(client.get(&jobs[turns]).await.json().get("began").is_none());
@@ -205,20 +220,19 @@ async fn there_are_so_many_jobs_at_most() {
     let (client, maps) = with_maps(Limits { jobs: 2, ..Limits::default() }, "").await;
     let busy = busy(&maps).await;
     let first = begun(&client, GRAPH).await;
-    begun(&client, GRID).await;
-    let refused = preferring(&client, GRAPH, ASYNC).await;
+    let second = begun(&client, GRID).await;
+    let refused = preferring(&client, OTHER, ASYNC).await;
     let problem = refused.problem(503, "too-many-jobs");
     assert_eq!(
         (&refused.headers[header::RETRY_AFTER], &problem["instance"]),
-        (&"10".parse().unwrap(), &json!(GRAPH))
+        (&"10".parse().unwrap(), &json!(OTHER))
     );
     cancel(&client, &first).await;
-    let third = begun(&client, GRAPH).await;
-    assert_eq!(third, "/v1/jobs/3");
+    let third = begun(&client, OTHER).await;
     client.get(&first).await.problem(404, "unknown-job");
     drop(busy);
-    for job in ["/v1/jobs/2", &third] {
-        assert_eq!(ended(&client, job).await["status"], "done");
+    for job in [second, third] {
+        assert_eq!(ended(&client, &job).await["status"], "done");
     }
 }
 
@@ -240,6 +254,7 @@ async fn a_job_ends_for_the_map_that_it_was_asked_of() {
     let busy = busy(&maps).await;
     let job = begun(&client, &grid).await;
     assert_eq!(client.post("office", NDJSON, after.clone()).await.status, 200);
+    assert_ne!(begun(&client, &grid).await, job);
     drop(busy);
     let done = ended(&client, &job).await;
     assert_eq!((&done["status"], &done["next_seq"]), (&json!("done"), &json!(ninth + 1)));
@@ -256,20 +271,62 @@ async fn who_waits_a_while_has_what_is_done_by_then() {
     let graph = preferring(&client, GRAPH, "respond-async, wait=100").await;
     assert_eq!(graph.status, 200);
     assert!(graph.body == with_office(Limits::default(), "").await.get(GRAPH).await.body);
-    let applied = preferring(&client, &large_grid(), "wait=0, respond-async").await;
+    let applied = preferring(&client, &large_grid(0), "wait=0, respond-async").await;
     assert_eq!(
         (applied.status.as_u16(), &applied.headers["preference-applied"]),
         (202, &"respond-async, wait=0".parse().unwrap())
     );
-    cancel(&client, "/v1/jobs/2").await;
+    cancel(&client, applied.headers[header::LOCATION].to_str().unwrap()).await;
     // Who goes away while waiting never learned the number of the job.
     running(&maps, 0).await;
-    let gone = client.clone();
-    let gone = tokio::spawn(async move { preferring(&gone, &large_grid(), "respond-async, wait=100").await });
+    let gone = waiting(&client, &large_grid(0));
     running(&maps, 1).await;
     gone.abort();
-    assert_eq!(ended(&client, "/v1/jobs/3").await["status"], "cancelled");
+    assert_eq!(ended(&client, &last(&client).await).await["status"], "cancelled");
     running(&maps, 0).await;
+}
+
+/// One who waits for an answer or for its job.
+fn waiting(client: &Client, path: &str) -> JoinHandle<Answer> {
+    let (client, path) = (client.clone(), path.to_owned());
+    tokio::spawn(async move { preferring(&client, &path, "respond-async, wait=100").await })
+}
+
+/// Who asks again, as after a lost connection, has the same job; it ends for nobody as another goes away.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_job_is_that_of_all_who_ask_for_the_same() {
+    let (client, maps) = with_maps(large(), "").await;
+    let gone = waiting(&client, &large_grid(0));
+    running(&maps, 1).await;
+    let job = begun(&client, &large_grid(0)).await;
+    assert_eq!((begun(&client, &large_grid(0)).await, last(&client).await), (job.clone(), job.clone()));
+    assert_ne!(begun(&client, &large_grid(1)).await, job);
+    gone.abort();
+    assert!(gone.await.is_err());
+    assert_eq!(status(&client, &job).await, "running");
+    let told = waiting(&client, &large_grid(0));
+    sleep(Duration::from_millis(20)).await;
+    // It is nobody's fault that it was cancelled: it can be had again.
+    cancel(&client, &job).await;
+    let told = told.await.unwrap();
+    let said =
+        (told.status.as_u16(), told.headers[header::LOCATION].to_str().unwrap(), &told.json()["status"]);
+    assert_eq!(said, (202, job.as_str(), &json!("cancelled")));
+    assert_ne!(begun(&client, &large_grid(0)).await, job);
+}
+
+/// However few processors there are.
+#[tokio::test(flavor = "multi_thread")]
+async fn jobs_leave_threads_to_those_who_wait() {
+    let (client, maps) = with_maps(large(), "").await;
+    for candidate in 0..8 {
+        begun(&client, &large_grid(candidate)).await;
+    }
+    running(&maps, maps.patchwork_threads() / 2).await;
+    assert_eq!(client.get(GRAPH).await.status, 200);
+    let jobs = client.get("/v1/jobs").await.json();
+    let left = jobs["jobs"].as_array().unwrap().iter().filter(|job| job.get("ended").is_none());
+    assert!(left.count() > 0, "{jobs}");
 }
 
 #[tokio::test]

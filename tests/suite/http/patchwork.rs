@@ -5,7 +5,7 @@ use axum::body::Body;
 use axum::http::{HeaderValue, Request, header};
 use serde_json::{Value, json};
 use std::sync::Arc;
-use std::thread::{self, available_parallelism};
+use std::thread;
 use std::time::Duration;
 use tokio::task::JoinSet;
 use tokio::time::timeout;
@@ -60,7 +60,7 @@ pub(super) async fn holding(client: Client, config: &str, walk: &LpmTrace) -> Cl
 
 /// All threads of patchworks taken, until these tasks are aborted.
 pub(super) async fn busy(maps: &Maps) -> JoinSet<()> {
-    let threads = available_parallelism().unwrap().get();
+    let threads = maps.patchwork_threads();
     let mut busy = JoinSet::new();
     for _ in 0..threads {
         let maps = maps.clone();

@@ -5,7 +5,6 @@ use crate::http::patchwork::ndjson;
 use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::sync::Arc;
-use std::thread::available_parallelism;
 use std::time::Duration;
 use topostar::service::{Limits, Maps, MemoryStore, Workload, serve};
 use topostar::worlds::{bundled, lpm_trace};
@@ -131,7 +130,7 @@ async fn clients_that_go_away_leave_the_threads_to_those_who_stay() {
     let path = |resolution: f64| {
         format!("/v1/maps/office/candidates/preferred/grid?format=pgm&resolution={resolution}")
     };
-    let threads = available_parallelism().map_or(1, |count| count.get());
+    let threads = maps.patchwork_threads();
     let gone: Vec<TcpStream> = (0..20 * threads).map(|_| asking(&address, &path(0.01))).collect();
     until(&maps, |load| load.running == threads).await;
     let staying = asking(&address, &path(0.5));
