@@ -12,18 +12,14 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
-use tokio::sync::{Semaphore, watch};
+use tokio::sync::watch;
 use tokio::task::AbortHandle;
 use tokio::time::timeout;
 use utoipa::ToSchema;
 
 /// The jobs of a service. A clone is another handle to the same jobs.
 #[derive(Clone)]
-pub(super) struct Jobs {
-    limits: Limits,
-    turns: Arc<Semaphore>,
-    kept: Arc<Mutex<Kept>>,
-}
+pub(super) struct Jobs(Arc<Mutex<Kept>>);
 
 /// A job as it is now.
 #[derive(Clone, Debug)]
@@ -80,6 +76,9 @@ pub(super) enum Progress {
 
 /// In the order of their numbers.
 struct Kept {
+    limits: Limits,
+    /// How many run at once.
+    turns: usize,
     last: u64,
     jobs: BTreeMap<u64, Entry>,
 }
@@ -121,8 +120,7 @@ impl Jobs {
     pub(super) fn new(limits: Limits, turns: usize) -> Jobs {
         let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         let last = u64::try_from(since.as_millis()).unwrap_or_default();
-        let kept = Kept { last, jobs: BTreeMap::new() };
-        Jobs { limits, turns: Arc::new(Semaphore::new(turns)), kept: Arc::new(Mutex::new(kept)) }
+        Jobs(Arc::new(Mutex::new(Kept { limits, turns, last, jobs: BTreeMap::new() })))
     }
 
     /// The job under way for the same, or a new one, which begins as soon as it has its turn. Refused where as many as there
@@ -137,12 +135,10 @@ impl Jobs {
             same.clients += 1;
             return Ok(same.job.subscribe());
         }
-        while kept.jobs.len() >= self.limits.jobs {
+        let most = kept.limits.jobs;
+        while kept.jobs.len() >= most {
             if !kept.forget_first(Progress::is_end) {
-                let detail = format!(
-                    "{} jobs have not ended, the most there may be; cancel one or wait",
-                    self.limits.jobs
-                );
+                let detail = format!("{most} jobs have not ended, the most there may be; cancel one or wait");
                 return Err(Problem::new(ProblemKind::TooManyJobs, detail));
             }
         }
@@ -155,8 +151,9 @@ impl Jobs {
             began: None,
             ended: None,
         });
-        let task = tokio::spawn(self.clone().run(id, work)).abort_handle();
+        let task = tokio::spawn(self.clone().run(told.clone(), work)).abort_handle();
         kept.jobs.insert(id, Entry { job, task, ended: None, clients: 1 });
+        kept.give_turns();
         Ok(told)
     }
 
@@ -190,7 +187,7 @@ impl Jobs {
         let Some(entry) = kept.jobs.get_mut(&id) else { return false };
         let task = entry.task.clone();
         if so(entry) {
-            kept.end(id, Progress::Cancelled, self.limits.job_bytes);
+            kept.end(id, Progress::Cancelled);
             drop(kept);
             // The work is told to stop as its future is dropped. Not while the lock is held, which that takes as well.
             task.abort();
@@ -198,27 +195,26 @@ impl Jobs {
         true
     }
 
-    async fn run(self, id: u64, work: impl Future<Output = Result<Arc<Representation>, Problem>>) {
+    async fn run(
+        self,
+        mut told: watch::Receiver<Job>,
+        work: impl Future<Output = Result<Arc<Representation>, Problem>>,
+    ) {
+        let id = told.borrow().id;
         let _end = EndOnDrop { jobs: &self, id };
-        // Nobody closes the semaphore, so that there is always a turn.
-        let Ok(_turn) = self.turns.acquire().await else { return };
-        if let Some(entry) = self.kept().jobs.get(&id).filter(|entry| entry.ended.is_none()) {
-            entry
-                .job
-                .send_modify(|job| (job.progress, job.began) = (Progress::Running, Some(SystemTime::now())));
+        let turn = told.wait_for(|job| !matches!(job.progress, Progress::Queued)).await;
+        if turn.is_ok_and(|job| !job.progress.is_end()) {
+            let progress = work.await.map_or_else(Progress::Failed, Progress::Done);
+            self.kept().end(id, progress);
         }
-        self.end(id, work.await.map_or_else(Progress::Failed, Progress::Done));
-    }
-
-    fn end(&self, id: u64, progress: Progress) {
-        self.kept().end(id, progress, self.limits.job_bytes);
     }
 
     /// Those that did not end too long ago. Every change is one insertion or removal, so a panic elsewhere cannot leave the
     /// jobs half changed.
     fn kept(&self) -> MutexGuard<'_, Kept> {
-        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.jobs.retain(|_, entry| entry.ended.is_none_or(|at| at.elapsed() < self.limits.job_kept));
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let longest = kept.limits.job_kept;
+        kept.jobs.retain(|_, entry| entry.ended.is_none_or(|at| at.elapsed() < longest));
         kept
     }
 }
@@ -229,15 +225,28 @@ impl Kept {
         self.jobs.values_mut().find(same)
     }
 
+    /// Those asked for first have their turns first.
+    fn give_turns(&mut self) {
+        let running = |entry: &&Entry| matches!(entry.job.borrow().progress, Progress::Running);
+        let running = self.jobs.values().filter(running).count();
+        let queued = |entry: &&Entry| matches!(entry.job.borrow().progress, Progress::Queued);
+        let queued = self.jobs.values().filter(queued);
+        for entry in queued.take(self.turns.saturating_sub(running)) {
+            let began = Some(SystemTime::now());
+            entry.job.send_modify(|job| (job.progress, job.began) = (Progress::Running, began));
+        }
+    }
+
     /// What has ended ends no more.
-    fn end(&mut self, id: u64, progress: Progress, most_bytes: usize) {
+    fn end(&mut self, id: u64, progress: Progress) {
         let Some(entry) = self.jobs.get_mut(&id).filter(|entry| entry.ended.is_none()) else { return };
         entry.ended = Some(Instant::now());
         entry.job.send_modify(|job| (job.progress, job.ended) = (progress, Some(SystemTime::now())));
         // One answer is kept, however large.
-        while self.answers() > 1 && self.bytes() > most_bytes {
+        while self.answers() > 1 && self.bytes() > self.limits.job_bytes {
             self.forget_first(Progress::is_done);
         }
+        self.give_turns();
     }
 
     fn answers(&self) -> usize {
@@ -265,7 +274,7 @@ struct EndOnDrop<'a> {
 
 impl Drop for EndOnDrop<'_> {
     fn drop(&mut self) {
-        self.jobs.end(self.id, Progress::Failed(MapsError::Panicked(Panicked).into()));
+        self.jobs.kept().end(self.id, Progress::Failed(MapsError::Panicked(Panicked).into()));
     }
 }
 
@@ -372,6 +381,23 @@ mod tests {
         assert!(jobs.cancel(first) && jobs.cancel(first) && !jobs.cancel(7));
         assert!(matches!(jobs.ended_within(second, SOON).await.progress, Progress::Failed(_)));
         assert!(matches!(progress(&jobs, first), Progress::Cancelled));
+    }
+
+    #[tokio::test(flavor = "multi_thread")]
+    async fn turns_are_in_the_order_of_asking() {
+        let (jobs, order_of_turns) = (Jobs::new(Limits::default(), 1), Arc::new(Mutex::new(Vec::new())));
+        let begin = |at: usize| {
+            let turns = Arc::clone(&order_of_turns);
+            let work = async move {
+                turns.lock().unwrap().push(at);
+                made(1)
+            };
+            jobs.begin(order(&at.to_string()), work).unwrap()
+        };
+        for told in (0..50).map(begin).collect::<Vec<_>>() {
+            jobs.ended_within(told, SOON).await;
+        }
+        assert!(order_of_turns.lock().unwrap().is_sorted(), "{order_of_turns:?}");
     }
 
     #[tokio::test]
