@@ -17,11 +17,12 @@
 
 use crate::abduction::Outcome;
 use crate::metric::breach::Breach;
-use crate::metric::crowd::{Crowd, Room};
+use crate::metric::crowd::{Crowd, Patience, Room};
 use crate::metric::frames::Story;
 use crate::metric::layout::{Layout, Span};
-use crate::metric::share::{SHARES, in_every};
+use crate::metric::share::{SHARES, in_each, in_every};
 use crate::metric::uncertainty::Uncertainty;
+use std::cell::OnceCell;
 use std::collections::BTreeSet;
 
 /// Two visits to different places that share one spot, whatever share of errors explains the loops.
@@ -29,14 +30,20 @@ pub(super) fn breach(story: &Story<'_>) -> Option<Breach> {
     let latest = story.latest();
     story.stays[latest].travelled?.leg?;
     let separation = separation(story);
-    let breaches = in_every(|share| {
+    let spots: [OnceCell<Option<Option<Breach>>>; SHARES.len()] = Default::default();
+    let spot = |share: usize| {
         let spot = |layout: &Layout| match layout.agrees() {
-            true => spot(story, layout, separation).or_else(|| crowd(story, layout, separation)).map(Some),
+            true => spot(story, layout, separation).map(Some),
             // A share under which the loops do not close is none that odometry has.
             false => Some(None),
         };
-        judged(story, share, spot)?
-    })?;
+        spots[share].get_or_init(|| judged(story, share, spot)?).clone()
+    };
+    let crowd = |share: usize| {
+        let crowd = |layout: &Layout| crowd(story, layout, separation).map(Some);
+        spot(share).or_else(|| judged(story, share, crowd)?)
+    };
+    let breaches = in_every(spot).or_else(|| in_each(crowd))?;
     breaches.into_iter().flatten().next()
 }
 
@@ -56,7 +63,9 @@ pub(super) fn to_part(
 
 /// As [`crate::metric::Measurements::room`].
 pub(super) fn room(story: &Story<'_>, distance: f64) -> [Option<Room>; SHARES.len()] {
-    let room = |layout: &Layout| layout.agrees().then(|| layout.room(&first_visits(story, layout), distance));
+    let room = |layout: &Layout| {
+        layout.agrees().then(|| layout.room(&first_visits(story, layout), distance, Patience::Long))
+    };
     std::array::from_fn(|share| judged(story, share, room)?)
 }
 
@@ -110,7 +119,7 @@ fn crowd(story: &Story<'_>, layout: &Layout, separation: f64) -> Option<Breach> 
     if story.outcome == Outcome::NewPlace && !visits.iter().any(beside) {
         return None;
     }
-    match layout.room(&visits, separation) {
+    match layout.room(&visits, separation, Patience::Short) {
         Room::Lacking(Crowd { chi_square, gate, spans }) => {
             Some(Breach::Crowd { spans, chi_square, gate, separation })
         }

@@ -8,7 +8,7 @@ use crate::metric::layout::Span;
 use nalgebra::Vector3;
 
 /// What does not agree. Angles in radians, lengths in metres.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) enum Breach {
     /// Two lengths of one path segment.
     Length { segment: [DstateId; 2], before: Length, now: Length },

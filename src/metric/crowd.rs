@@ -24,6 +24,16 @@ use crate::metric::sides::{Pair, Polygons, Side};
 use crate::metric::uncertainty::quantile;
 use std::collections::{BTreeMap, BTreeSet};
 
+/// How long to look for room.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Patience {
+    /// As long as it seems that there is none: up to where a visit comes to rest within a polygon though it is beyond one of its sides
+    /// by first order. Such a branch hardly ever ends.
+    Short,
+    /// To the end.
+    Long,
+}
+
 /// At most so many sets of sides are looked at.
 const STEPS: usize = 400;
 
@@ -51,9 +61,9 @@ pub struct Crowd {
 
 impl Layout {
     /// Whether some visits, ascending and measured in between, can all lie so far from each other.
-    pub(super) fn room(&self, visits: &[usize], radius: f64) -> Room {
+    pub(super) fn room(&self, visits: &[usize], radius: f64, patience: Patience) -> Room {
         let Some(polygons) = Polygons::new(self, visits, radius) else { return Room::Unknown };
-        let mut search = Search { layout: self, polygons, ended: BTreeMap::new() };
+        let mut search = Search { layout: self, polygons, patience, ended: BTreeMap::new() };
         match choice(STEPS, |sides| search.look(sides)) {
             Choice::Found => Room::Found,
             Choice::Unknown => Room::Unknown,
@@ -77,6 +87,7 @@ impl Layout {
 struct Search<'a> {
     layout: &'a Layout,
     polygons: Polygons<'a>,
+    patience: Patience,
     /// What it takes to come beyond sides that bear, if that is too much.
     ended: BTreeMap<Vec<Side>, Option<Crowd>>,
 }
@@ -87,7 +98,7 @@ impl Search<'_> {
         let solved = self.polygons.solve(sides);
         let bearing = solved.bearing();
         if solved.chi_square <= self.layout.gate(bearing.len()) {
-            match self.polygons.within(&solved, None) {
+            match self.polygons.within(&solved, self.settled(sides), None) {
                 Some(pair) => return self.next(&pair, sides),
                 None if sides.is_empty() => return Look::Open,
                 None => {}
@@ -99,10 +110,18 @@ impl Search<'_> {
         let Some(reached) = self.layout.to_reach(&self.polygons.lines(sides, 1.0)) else {
             return Look::Unknown;
         };
-        match self.polygons.within(&solved, Some(&reached.poses)) {
+        match self.polygons.within(&solved, self.settled(sides), Some(&reached.poses)) {
             Some(pair) => self.next(&pair, sides),
             None if reached.chi_square <= self.layout.gate(bearing.len()) => Look::Open,
             None => Look::Unknown,
+        }
+    }
+
+    /// The sides of which it is not asked whether visits are beyond them: they were put there, as far as steps come to rest.
+    fn settled<'s>(&self, sides: &'s [Side]) -> &'s [Side] {
+        match self.patience {
+            Patience::Short => &[],
+            Patience::Long => sides,
         }
     }
 

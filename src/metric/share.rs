@@ -39,6 +39,12 @@ pub(super) fn in_every<T>(mut breach: impl FnMut(usize) -> Option<T>) -> Option<
     Some([first].into_iter().chain(others?).collect())
 }
 
+/// What breaks an axiom in each of the ranges that hold all shares together, where that takes long to find out: most often it does
+/// not where a heading error is mostly new on every travel, so that range comes first.
+pub(super) fn in_each<T>(breach: impl FnMut(usize) -> Option<T>) -> Option<Vec<T>> {
+    [4, 2, 0, 3].into_iter().map(breach).collect()
+}
+
 /// A travel with the two parts of its error.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Travel {

@@ -8,7 +8,8 @@ use crate::metric::conflicts::Ways;
 use crate::metric::layout::{Layout, Span};
 use crate::metric::leg::lever;
 use crate::metric::profile::{Line, pulls, taken};
-use nalgebra::{DMatrix, DVector, Matrix2, Matrix2x3, RowVector3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix2, Matrix2x3, Rotation2, RowVector3, Vector3};
+use std::collections::BTreeSet;
 use std::f64::consts::{PI, TAU};
 
 /// Sides of a square, and of the polygon that has three for each of them.
@@ -33,6 +34,8 @@ pub(super) struct Pair {
     pub(super) to: usize,
     /// How the later one lies in the frame of the other.
     off: Vector,
+    /// The covariance of that, which loops and sides that bear leave.
+    open: Matrix2<f64>,
 }
 
 impl Pair {
@@ -40,6 +43,13 @@ impl Pair {
     fn around(&self, of: usize) -> impl Iterator<Item = Side> + use<> {
         let Pair { from, to, .. } = *self;
         (0..of).map(move |number| Side { from, to, of, number })
+    }
+
+    /// What it takes to come beyond a side at this distance from the middle, to first order and by itself.
+    fn takes(&self, side: Side, at: f64) -> f64 {
+        let outward = side.outward();
+        let variance = outward.dot(&(self.open * outward)).max(f64::MIN_POSITIVE);
+        (at - outward.dot(&self.off)).max(0.0).powi(2) / variance
     }
 }
 
@@ -149,9 +159,13 @@ impl<'a> Polygons<'a> {
     }
 
     /// Two visits within each other's polygon, if any two are, where all lie as `poses` say or, without these, as they do to
-    /// first order: of all those that take most to come out of it, as they end most branches.
-    pub(super) fn within(&self, solved: &Solved, poses: Option<&[Pose]>) -> Option<Pair> {
+    /// first order: of all those that take most to come out of it, as they end most branches. Not those beyond a part in
+    /// `settled`.
+    pub(super) fn within(&self, solved: &Solved, settled: &[Side], poses: Option<&[Pose]>) -> Option<Pair> {
+        let settled = settled.iter().filter(|side| side.is_fine()).map(|side| (side.from, side.to));
+        let settled: BTreeSet<(usize, usize)> = settled.collect();
         let pairs = (1..self.visits.len()).flat_map(|to| (0..to).map(move |from| (from, to)));
+        let pairs = pairs.filter(|pair| !settled.contains(pair));
         let pair = |(from, to): (usize, usize)| {
             let off = match poses {
                 Some(poses) => {
@@ -164,26 +178,24 @@ impl<'a> Polygons<'a> {
                     begin.inverse().rotate(&(self.off(from, to) - moved))
                 }
             };
-            Pair { from, to, off }
+            Pair { from, to, off, open: Matrix2::zeros() }
         };
         let within = |pair: &Pair| {
             let inside = |side: Side| side.outward().dot(&pair.off) < self.at(side) - MET;
             pair.off.norm() < self.radius && pair.around(FINE).all(inside)
         };
         let takes = |pair: Pair| {
-            let covariance = self.left_open(solved, &pair);
-            let takes = |side: Side| {
-                let along = self.along(side);
-                let variance = along.dot(&(covariance * along)).max(f64::MIN_POSITIVE);
-                (self.at(side) - side.outward().dot(&pair.off)).powi(2) / variance
-            };
-            (pair.around(FINE).map(takes).fold(f64::INFINITY, f64::min), pair)
+            let pair = Pair { open: self.left_open(solved, &pair), ..pair };
+            (
+                pair.around(FINE).map(|side| pair.takes(side, self.at(side))).fold(f64::INFINITY, f64::min),
+                pair,
+            )
         };
         let most = pairs.map(pair).filter(within).map(takes).max_by(|a, b| a.0.total_cmp(&b.0));
         most.map(|(_, pair)| pair)
     }
 
-    /// What two visits within each other's polygon may be beyond, what the later one is nearest to first: a side of the square or, where one of these was chosen,
+    /// What two visits within each other's polygon may be beyond, what takes least first: a side of the square or, where one of these was chosen,
     /// a part of it. None where no errors move the visits beyond a part chosen: more sides tell nothing then.
     pub(super) fn ways(&self, pair: &Pair, chosen: &[Side]) -> Option<Ways<Side>> {
         let known = chosen.iter().filter(|side| (side.from, side.to) == (pair.from, pair.to));
@@ -192,8 +204,8 @@ impl<'a> Polygons<'a> {
             Some(side) if side.is_fine() => return None,
             Some(side) => (Some(*side), side.parts().collect()),
         };
-        let along = |side: &Side| side.outward().dot(&pair.off);
-        parts.sort_by(|a, b| along(b).total_cmp(&along(a)));
+        let takes = |side: &Side| pair.takes(*side, self.at(*side));
+        parts.sort_by(|a, b| takes(a).total_cmp(&takes(b)));
         Some(Ways { whole, parts })
     }
 
@@ -212,7 +224,7 @@ impl<'a> Polygons<'a> {
         sides.iter().map(line).collect()
     }
 
-    /// The covariance of where a visit lies, seen from another, that the loops and the sides which bear leave.
+    /// The covariance of where a visit lies, in the frame of another, that the loops and the sides which bear leave.
     fn left_open(&self, solved: &Solved, &Pair { from, to, .. }: &Pair) -> Matrix2<f64> {
         let span = Span { from: self.visits[from], to: self.visits[to] };
         let (moves, known) = (self.moves(to), &self.known[to] - &self.known[from]);
@@ -229,7 +241,8 @@ impl<'a> Polygons<'a> {
         {
             covariance -= shared.tr_mul(&shared).fixed_view::<2, 2>(0, 0);
         }
-        covariance
+        let back = Rotation2::new(-self.layout.poses[self.visits[from]].theta);
+        back.matrix() * covariance * back.matrix().transpose()
     }
 
     fn condition(&self, side: Side) -> Condition {
