@@ -195,6 +195,8 @@ impl<'a> Takings<'a> {
         }
         let mut sighting = self.sighting(taken, visit);
         let passed = missed.map(|Missed { like, along }| {
+            // The odometry of the whole way tells nothing of either part of it, and measurements are kept by travels from one
+            // visit to the next: there is no word for what two of them are together. So less is refuted than could be.
             let departure = sighting.departure.replace(along);
             sighting.motion = None;
             let place = self.readings[like].sighting.clone();
