@@ -12,7 +12,8 @@ use std::rc::Rc;
 /// What a search for changes may use.
 ///
 /// Work is counted as what an observation costs that is added to a beginning of the walk: the candidates before and after
-/// it, times the square of the visits, as what judges a candidate by measurements looks at all visits from each.
+/// it, times the visits; times their square where travels were measured, as what judges a candidate by measurements looks
+/// at all visits from each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bounds {
     /// The most work from all observations together, unless four times that of the walk as it was read is more.
@@ -190,8 +191,8 @@ impl Work {
     }
 
     /// Counts an observation, after which there are so many visits, and candidates before and after it.
-    fn count(&mut self, visits: usize, candidates: usize) -> u64 {
-        let work = (visits as u64).pow(2) * (candidates as u64).max(1);
+    fn count(&mut self, visits: usize, candidates: usize, measured: bool) -> u64 {
+        let work = (visits as u64).pow(if measured { 2 } else { 1 }) * (candidates as u64).max(1);
         self.done += work;
         work
     }
@@ -263,7 +264,8 @@ impl Search<'_> {
             found.observe(&told.sighting)?;
         }
         let candidates = from.abduction.len() + found.abduction.len();
-        found.work += self.work.count(visit + 1, candidates);
+        let measured = found.abduction.evidence().is_some();
+        found.work += self.work.count(visit + 1, candidates, measured);
         if found.taken.iter().all(|taken| taken.is_as_read()) {
             self.work.as_read = self.work.as_read.max(found.work);
         }
