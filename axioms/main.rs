@@ -23,6 +23,7 @@ mod lengths_and_angles;
 mod measured;
 mod measured_reference;
 mod mending;
+mod mending_reference;
 mod best_first;
 mod boundary;
 mod grid_walks;

@@ -24,10 +24,14 @@ pub(super) struct Attempt {
 /// Walks of more visits are not mended: each is likened to every other, from each observation on.
 const MOST_MENDED: usize = 256;
 
+/// So many candidates of the walk with changes are kept after each observation at least.
+const KEPT: usize = 2_000;
+
 /// Looks for readings to change; nothing where there is a map, where something other than the axioms ended the search, where
 /// the operator has spoken, and where no change leads further.
 pub(super) fn attempt(session: &Session, events: &[Arc<Event>]) -> Result<Option<Attempt>, Failure> {
-    let Some(stuck) = stuck(&session.abduction().report()) else { return Ok(None) };
+    let as_read = session.abduction().report();
+    let Some(stuck) = stuck(&as_read) else { return Ok(None) };
     let broken = |error: &dyn std::fmt::Display| Failure::Broken(error.to_string());
     let readings = readings(events, &PerceptionParameters::default()).map_err(|e| broken(&e))?;
     if readings.len() > MOST_MENDED {
@@ -41,7 +45,10 @@ pub(super) fn attempt(session: &Session, events: &[Arc<Event>]) -> Result<Option
     if mended.explained <= stuck {
         return Ok(None);
     }
-    let (abduction, survey) = explained(&mended, events, session.config()).map_err(|e| broken(&e))?;
+    // On the mean as many as of the walk as it was read, so that all of it costs about as much again.
+    let kept = (as_read.maps_created.value as usize / mended.told.len().max(1)).max(KEPT);
+    let config = MapConfig { max_candidates: kept.min(session.config().max_candidates), ..session.config() };
+    let (abduction, survey) = explained(&mended, events, config).map_err(|e| broken(&e))?;
     let mut found = abduction.report();
     rank(&mut found, &survey, &mut survey.agreements());
     let mending = Mending::of(&mended, readings.len(), &found);

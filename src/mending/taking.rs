@@ -5,6 +5,7 @@ use crate::mending::likening::{Change, ChangeKind, Likening, likenings, passing}
 use crate::mending::{Doubt, Reading, Sum, Told};
 use crate::star::SlotIndex;
 use crate::trace::Sighting;
+use std::cell::OnceCell;
 
 /// How a visit is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,8 +18,11 @@ pub(super) struct Taken {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Choice {
     AsRead,
-    /// By one of its likenings.
-    Likened(usize),
+    /// To another visit, by one of the ways of doing so.
+    Likened {
+        target: usize,
+        way: usize,
+    },
     /// For none: the robot was on its way.
     Passed,
 }
@@ -32,11 +36,34 @@ pub(super) struct Missed {
 
 const AS_READ: Taken = Taken { choice: Choice::AsRead, missed: None };
 
+impl Taken {
+    pub(super) fn is_as_read(&self) -> bool {
+        *self == AS_READ
+    }
+}
+
+/// A way of going on by a visit: how the next one is taken; or how one before is, the next one then being as it was read.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Onward {
+    /// The visit that is taken so. Those before it are as they were.
+    pub(super) visit: usize,
+    taken: Taken,
+}
+
+impl Onward {
+    /// How all visits are taken after it.
+    pub(super) fn taken(&self, before: &[Taken]) -> Vec<Taken> {
+        let mut all = [before, &[AS_READ]].concat();
+        all[self.visit] = self.taken;
+        all
+    }
+}
+
 /// All ways of taking visits.
 pub(super) struct Takings<'a> {
     readings: &'a [Reading],
-    /// For each visit, all ways of likening it to another.
-    likenings: Vec<Vec<Likening>>,
+    /// For each visit and each other one, all ways of likening it to that, once they were asked for.
+    likenings: Vec<OnceCell<Vec<Likening>>>,
     /// For each visit, what must be changed for it to be none, if it may be.
     passings: Vec<Option<Vec<Change>>>,
 }
@@ -44,49 +71,56 @@ pub(super) struct Takings<'a> {
 impl<'a> Takings<'a> {
     pub(super) fn new(readings: &'a [Reading]) -> Takings<'a> {
         let visits = 0..readings.len();
-        let others = |visit: usize| visits.clone().filter(move |&other| other != visit);
-        let of = |visit: usize| others(visit).flat_map(|other| likenings(readings, visit, other)).collect();
         Takings {
             readings,
-            likenings: visits.clone().map(of).collect(),
-            passings: visits.clone().map(|visit| passing(readings, visit)).collect(),
+            likenings: vec![OnceCell::new(); readings.len().pow(2)],
+            passings: visits.map(|visit| passing(readings, visit)).collect(),
         }
     }
 
-    /// All ways of going on by a visit, each with how many visits of it are taken as before: the next one is taken in any
-    /// way, or as it was read, and one before is likened to it or comes behind its place.
-    pub(super) fn next(&self, taken: &[Taken]) -> Vec<(usize, Vec<Taken>)> {
+    /// All ways of likening a visit to another one.
+    fn likenings(&self, visit: usize, target: usize) -> &[Likening] {
+        let likenings = || likenings(self.readings, visit, target);
+        self.likenings
+            .get(visit * self.readings.len() + target)
+            .map_or(&[], |known| known.get_or_init(likenings))
+    }
+
+    fn likened(&self, visit: usize, target: usize) -> impl Iterator<Item = Choice> {
+        (0..self.likenings(visit, target).len()).map(move |way| Choice::Likened { target, way })
+    }
+
+    /// All ways of going on by a visit: the next one is taken in any way, or as it was read, and one before is likened to it
+    /// or comes behind its place.
+    pub(super) fn next(&self, taken: &[Taken]) -> Vec<Onward> {
         let visit = taken.len();
-        let Some(likenings) = self.likenings.get(visit) else { return Vec::new() };
+        if visit == self.readings.len() {
+            return Vec::new();
+        }
         let free = |other: usize| taken.get(other).is_some_and(|one| one.choice == Choice::AsRead);
-        let likened = (0..likenings.len()).filter(|&k| free(likenings[k].target)).map(Choice::Likened);
+        let likened = (0..visit).filter(|&other| free(other)).flat_map(|other| self.likened(visit, other));
         let passed = self.passings[visit].as_ref().map(|_| Choice::Passed);
         let choices = likened.chain(passed).map(|choice| Taken { choice, ..AS_READ });
         let known = (0..visit).filter(|&other| free(other));
         let missed = known.flat_map(|like| self.passed_along(like));
         let missed = missed.map(|missed| Taken { missed: Some(missed), ..AS_READ });
         let ahead = [AS_READ].into_iter().chain(choices).chain(missed);
-        let all = ahead.map(|next| (visit, [taken, &[next]].concat()));
-        let revised = self.revisions(taken).into_iter().map(|(at, instead)| {
-            let mut all = [taken, &[AS_READ]].concat();
-            all[at] = instead;
-            (at, all)
-        });
-        all.chain(revised).collect()
+        let ahead = ahead.map(|taken| Onward { visit, taken });
+        ahead.chain(self.revisions(taken)).collect()
     }
 
     /// What the next visit may teach about those before: how one of them is taken instead.
-    fn revisions(&self, taken: &[Taken]) -> Vec<(usize, Taken)> {
+    fn revisions(&self, taken: &[Taken]) -> Vec<Onward> {
         let visit = taken.len();
         let mut found = Vec::new();
         for (at, &before) in taken.iter().enumerate() {
-            let free = before.choice == Choice::AsRead && !self.is_target(taken, at);
-            let likenings =
-                self.likenings[at].iter().enumerate().filter(|(_, one)| free && one.target == visit);
-            found.extend(likenings.map(|(k, _)| (at, Taken { choice: Choice::Likened(k), ..before })));
+            let mut instead = |taken| found.push(Onward { visit: at, taken });
+            if before.choice == Choice::AsRead && !self.is_target(taken, at) {
+                self.likened(at, visit).for_each(|choice| instead(Taken { choice, ..before }));
+            }
             if at > 0 && before.choice != Choice::Passed && before.missed.is_none() {
                 let missed = self.passed_along(visit).into_iter();
-                found.extend(missed.map(|missed| (at, Taken { missed: Some(missed), ..before })));
+                missed.for_each(|missed| instead(Taken { missed: Some(missed), ..before }));
             }
         }
         found
@@ -112,7 +146,7 @@ impl<'a> Takings<'a> {
 
     fn likening(&self, taken: &[Taken], visit: usize) -> Option<&Likening> {
         match taken.get(visit)?.choice {
-            Choice::Likened(k) => self.likenings[visit].get(k),
+            Choice::Likened { target, way } => self.likenings(visit, target).get(way),
             Choice::AsRead | Choice::Passed => None,
         }
     }
@@ -130,16 +164,22 @@ impl<'a> Takings<'a> {
             doubt: Doubt::LIMIT,
             like: Some(like),
         });
-        let own: &[Change] = match taken[visit].choice {
-            Choice::AsRead => &[],
-            Choice::Likened(k) => &self.likenings[visit][k].changes,
-            Choice::Passed => self.passings[visit].as_deref().unwrap_or_default(),
-        };
-        missed.into_iter().chain(own.iter().cloned()).collect()
+        missed.into_iter().chain(self.own_changes(taken, visit).iter().cloned()).collect()
     }
 
+    /// What is taken otherwise of the visit itself.
+    fn own_changes(&self, taken: &[Taken], visit: usize) -> &[Change] {
+        match taken[visit].choice {
+            Choice::Passed => self.passings[visit].as_deref().unwrap_or_default(),
+            _ => self.likening(taken, visit).map_or(&[], |likening| &likening.changes),
+        }
+    }
+
+    /// What the changes cost. Linear in the visits.
     pub(super) fn sum(&self, taken: &[Taken]) -> Sum {
-        Sum::default().and(self.changes(taken).iter().map(|change| change.doubt))
+        let missed = taken.iter().filter(|one| one.missed.is_some()).map(|_| Doubt::LIMIT);
+        let own = (0..taken.len()).flat_map(|visit| self.own_changes(taken, visit));
+        Sum::default().and(own.map(|change| change.doubt).chain(missed))
     }
 
     /// The visits of a walk as they are taken.
@@ -155,6 +195,8 @@ impl<'a> Takings<'a> {
         }
         let mut sighting = self.sighting(taken, visit);
         let passed = missed.map(|Missed { like, along }| {
+            // The odometry of the whole way tells nothing of either part of it, and measurements are kept by travels from one
+            // visit to the next: there is no word for what two of them are together. So less is refuted than could be.
             let departure = sighting.departure.replace(along);
             sighting.motion = None;
             let place = self.readings[like].sighting.clone();

@@ -55,6 +55,80 @@ fn surface(points: &[Option<Point>], beam: usize, eye: &Point, increment: f64) -
     let across = Vector::new(-along.y, along.x);
     let stray = across.x * across.x * xx + 2.0 * across.x * across.y * xy + across.y * across.y * yy;
     let facing = across.dot(&sight);
-    let seen = (stray / count as f64).sqrt() <= STRAIGHT && facing.abs() >= GRAZING * sight.norm();
+    // Of points on a line rounding leaves less than nothing.
+    let seen = (stray.max(0.0) / count as f64).sqrt() <= STRAIGHT && facing.abs() >= GRAZING * sight.norm();
     seen.then(|| Surface { at, normal: if facing > 0.0 { across } else { -across } })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Pose;
+    use crate::sensor::log::LaserNumber;
+    use proptest::prelude::*;
+    use std::f64::consts::PI;
+
+    const MAX_RANGE: f64 = 8.0;
+
+    /// A half circle of beams, a degree apart, that end on a line so far from the laser and at this angle.
+    fn wall(robot_from_laser: Pose, away: f64, angle: f64) -> LaserScan {
+        let range = |k: i32| {
+            let beam = f64::from(k).to_radians() - PI / 2.0;
+            let met = away / (beam - angle).cos();
+            (met > 0.0 && met < 60.0).then_some(met)
+        };
+        LaserScan {
+            laser: LaserNumber::FRONT,
+            stamp: 0.0,
+            odom_from_robot: Pose::new(0.0, 0.0, 0.0),
+            robot_from_laser,
+            start_angle: -PI / 2.0,
+            angle_increment: 1.0_f64.to_radians(),
+            ranges: (0..=180).map(range).collect(),
+        }
+    }
+
+    fn mounts() -> impl Strategy<Value = Pose> {
+        (-0.5..0.5, -0.5..0.5, -3.1..3.1).prop_map(|(x, y, theta)| Pose::new(x, y, theta))
+    }
+
+    proptest! {
+        /// Wherever a laser sits, a straight wall is one line of surfaces that face it: all points within range that are seen
+        /// under more than a flat angle, and no other.
+        #[test]
+        fn a_wall_is_a_line_of_surfaces_that_face_the_laser(
+            mount in mounts(), away in 0.3..7.0f64, angle in -1.5..1.5f64,
+        ) {
+            let scan = wall(mount, away, angle);
+            let found = surfaces(&scan, MAX_RANGE);
+            let facing = -direction(mount.theta + angle);
+            for surface in &found {
+                prop_assert!((surface.normal - facing).norm() < 1e-6);
+                let from_laser = surface.at - mount.position();
+                prop_assert!((from_laser.dot(&facing) + away).abs() < 1e-9);
+            }
+            let steep = |at: &Point, least: f64| away / (at - mount.position()).norm() > least;
+            let points: Vec<Point> =
+                scan.beams().flatten().filter(|(range, _)| *range < MAX_RANGE).map(|(_, at)| at).collect();
+            let is_found = |at: &Point| found.iter().any(|surface| surface.at == *at);
+            // The first and the last have neighbours on one side alone.
+            for at in points.iter().skip(1).rev().skip(1) {
+                prop_assert!(is_found(at) || !steep(at, 0.3), "{at}");
+                prop_assert!(!is_found(at) || steep(at, GRAZING * 0.999), "{at}");
+            }
+            prop_assert!(found.iter().all(|surface| points.contains(&surface.at)));
+        }
+
+        /// What stands before a wall, narrower than two beams, is none, and neither is the wall where it ends.
+        #[test]
+        fn a_leg_is_no_wall(mount in mounts(), away in 2.0..6.0f64, nearer in 0.7..1.5f64, beam in 60usize..120) {
+            let mut scan = wall(mount, away, 0.0);
+            let behind = surfaces(&scan, MAX_RANGE).len();
+            scan.ranges[beam] = Some(away - nearer);
+            let found = surfaces(&scan, MAX_RANGE);
+            let leg = scan.beams().nth(beam).flatten().unwrap().1;
+            prop_assert!(found.iter().all(|surface| surface.at != leg));
+            prop_assert_eq!(found.len() + 1, behind);
+        }
+    }
 }

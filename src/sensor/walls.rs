@@ -68,7 +68,9 @@ impl Walls {
         }
     }
 
-    /// The wall nearest to a surface, within reach, that faces the same way.
+    /// The wall nearest to a surface, within reach, that faces the same way: of those in the ring of squares around it that is
+    /// the first to hold one, and in the next. One in the corner of a ring may be further away, by the root of two, than one
+    /// beyond the next ring that is not looked at.
     pub(super) fn nearest(&self, to: &Surface, reach: f64) -> Option<Surface> {
         let here = self.square(&to.at)?;
         let middle = here.map(|v| v.rem_euclid(self.squares));
@@ -87,7 +89,6 @@ impl Walls {
                 let same = away < reach && surface.normal.dot(&to.normal) > SAME_WALL;
                 if same && best.is_none_or(|(nearest, _)| away < nearest) {
                     best = Some((away, *surface));
-                    // The next ring may hold a nearer one, but none beyond it.
                     last = last.min(ring + 1);
                 }
             }
@@ -173,22 +174,85 @@ mod tests {
     use super::*;
     use crate::geometry::direction;
     use proptest::prelude::*;
+    use proptest::test_runner::TestRunner;
+    use std::cell::Cell;
+    use std::collections::BTreeMap;
 
-    proptest! {
-        #[test]
-        fn the_nearest_is_that_of_brute_force(
-            points in prop::collection::vec((-4.0..4.0f64, -4.0..4.0f64, -3.1..3.1f64), 0..80),
-            (x, y, angle) in (-4.0..4.0f64, -4.0..4.0f64, -3.1..3.1f64),
-        ) {
-            let mut walls = Walls::new(10.0, 0.1, 40.0);
-            let surface = |(x, y, angle): (f64, f64, f64)| Surface { at: Point::new(x, y), normal: direction(angle) };
-            points.iter().for_each(|&p| walls.add(surface(p)));
-            let to = surface((x, y, angle));
-            let all = walls.elements.iter().flatten().map(|element| element.surface);
-            let fits = all.filter(|s| s.normal.dot(&to.normal) > SAME_WALL).map(|s| (s.at - to.at).norm());
-            let nearest = fits.filter(|&away| away < 0.5).min_by(f64::total_cmp);
-            prop_assert_eq!(walls.nearest(&to, 0.5).map(|s| (s.at - to.at).norm()), nearest);
+    /// What was seen in each square, and when: no window, no memory shared.
+    struct Slow {
+        squares: i64,
+        memory: f64,
+        driven: f64,
+        seen: BTreeMap<[i64; 2], Element>,
+    }
+
+    const SIDE: f64 = 0.1;
+
+    fn square(at: &Point) -> [i64; 2] {
+        [at.x, at.y].map(|v| (v / SIDE).floor() as i64)
+    }
+
+    impl Slow {
+        fn add(&mut self, surface: Surface) {
+            let square = square(&surface.at);
+            let (now, squares, memory) = (self.driven, self.squares, self.memory);
+            self.seen.retain(|other, element| {
+                let apart = |k: usize| (other[k] - square[k]) % squares == 0;
+                let pushed_out = *other != square && apart(0) && apart(1);
+                !pushed_out && now - element.driven <= memory
+            });
+            let new = Element { sightings: 1.0, surface, driven: now };
+            match self.seen.get_mut(&square) {
+                Some(known) => {
+                    known.add(&surface);
+                    known.driven = now;
+                }
+                None => drop(self.seen.insert(square, new)),
+            }
         }
+
+        fn nearest(&self, to: &Surface, reach: f64) -> Option<Surface> {
+            let here = square(&to.at);
+            let ring = |square: &[i64; 2]| (square[0] - here[0]).abs().max((square[1] - here[1]).abs());
+            let known = self.seen.iter().filter(|(_, element)| self.driven - element.driven <= self.memory);
+            let same = known
+                .map(|(square, element)| (square, element.surface))
+                .filter(|(_, one)| one.normal.dot(&to.normal) > SAME_WALL);
+            let away = |one: &Surface| (one.at - to.at).norm();
+            let same: Vec<(i64, Surface)> =
+                same.filter(|(_, one)| away(one) < reach).map(|(square, one)| (ring(square), one)).collect();
+            let first = same.iter().map(|(ring, _)| *ring).min()?;
+            let looked_at = same.into_iter().filter(|(ring, _)| *ring <= first + 1).map(|(_, one)| one);
+            looked_at.min_by(|a, b| away(a).total_cmp(&away(b)))
+        }
+    }
+
+    /// A window of a metre whose squares are met again and again, walls mostly alike, on a way longer than they are remembered.
+    #[test]
+    fn walls_are_those_of_a_list_of_all_that_was_seen() {
+        let surface = (-1.2..1.2f64, -1.2..1.2f64, -0.5..1.5f64);
+        let step = (surface.clone(), surface, prop_oneof![3 => Just(0.0), 1 => 0.0..1.0f64]);
+        let found = Cell::new(0);
+        let mut runner =
+            TestRunner::new(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() });
+        let outcome = runner.run(&prop::collection::vec(step, 0..150), |steps| {
+            let surface =
+                |(x, y, angle): (f64, f64, f64)| Surface { at: Point::new(x, y), normal: direction(angle) };
+            let mut walls = Walls::new(1.0, SIDE, 5.0);
+            let mut slow = Slow { squares: 10, memory: 5.0, driven: 0.0, seen: BTreeMap::new() };
+            for (seen, to, length) in steps {
+                walls.drive(length);
+                slow.driven += length;
+                walls.add(surface(seen));
+                slow.add(surface(seen));
+                let to = surface(to);
+                prop_assert_eq!(walls.nearest(&to, 0.4), slow.nearest(&to, 0.4));
+                found.set(found.get() + usize::from(slow.nearest(&to, 0.4).is_some()));
+            }
+            Ok(())
+        });
+        outcome.unwrap();
+        assert!(found.get() > 1000, "{}", found.get());
     }
 
     #[test]

@@ -6,7 +6,7 @@ use crate::geometry::Vector;
 /// When two gateways are ends of one path fragment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FragmentParameters {
-    /// The least score of a pair; 1 is straight across and 0.5 is 60 degrees off or one width beside. Default 0.5.
+    /// A pair scores more; 1 is straight across and 0.5 is 60 degrees off or one width beside. Default 0.5.
     pub least_score: f64,
     /// A pair is ambiguous if the runner-up of either gateway scores more than this share of it, or may do better than
     /// it where bearings are off by what cells can make of them. Default 0.8.
@@ -25,32 +25,29 @@ pub(super) struct Fragment {
     pub(super) gateway: usize,
     /// The gateway at the other end, unless the path terminates at the place.
     pub(super) partner: Option<usize>,
-    /// How far the pairing is from being decided otherwise, as a fraction of the least score.
+    /// How far the pairing is from being decided otherwise: by so much, a fraction of each, the least score and what a
+    /// runner-up may have would have to be other than they are.
     pub(super) margin: f64,
 }
 
 /// The fragments of a place, in the order of their first gateways. Gateways pair if each is the other's best, good
-/// enough and without a close runner-up; all others terminate.
+/// enough and without a close runner-up; all others terminate. A pair is as sure as it pairs; a gateway that terminates is
+/// as sure as it is far from the nearest pair that it would be of. Cubic in the gateways.
 pub(super) fn pair(gateways: &[Gateway], parameters: &FragmentParameters) -> Vec<Fragment> {
-    let ranked: Vec<Ranking> = (0..gateways.len()).map(|a| rank(a, gateways, parameters)).collect();
-    let partner = |a: usize| {
-        let Ranking { best, score, contest } = ranked[a];
-        best.filter(|_| score >= parameters.least_score && contest < 1.0)
-    };
+    let scores = Scores::of(gateways);
     let mut fragments = Vec::new();
     for a in 0..gateways.len() {
-        let Ranking { score, contest, .. } = ranked[a];
-        match partner(a).filter(|&b| partner(b) == Some(a)) {
-            Some(b) if b < a => {}
-            Some(b) => {
-                let contest = contest.max(ranked[b].contest);
-                let margin = (score / parameters.least_score - 1.0).min(1.0 - contest);
-                fragments.push(Fragment { gateway: a, partner: Some(b), margin });
+        let others = (0..gateways.len()).filter(|&b| b != a).map(|b| (b, scores.sureness(a, b, parameters)));
+        // At most one pairs, as it leaves all others behind.
+        let nearest = others.max_by(|(_, one), (_, other)| one.total_cmp(other));
+        match nearest {
+            Some((b, sureness)) if sureness > 0.0 => {
+                if a < b {
+                    fragments.push(Fragment { gateway: a, partner: Some(b), margin: sureness });
+                }
             }
-            None => {
-                // Too low a score or a tie each suffices.
-                let (low, tied) = (1.0 - score / parameters.least_score, contest - 1.0);
-                let margin = low.max(tied.min(1.0)).max(0.0);
+            other => {
+                let margin = other.map_or(1.0, |(_, sureness)| -sureness);
                 fragments.push(Fragment { gateway: a, partner: None, margin });
             }
         }
@@ -58,29 +55,41 @@ pub(super) fn pair(gateways: &[Gateway], parameters: &FragmentParameters) -> Vec
     fragments
 }
 
-/// The best partner of a gateway, its score, and how near the runner-up comes to making that ambiguous: 1 is just so.
+/// How well each two gateways are met across the place by each other.
+struct Scores(Vec<Vec<Score>>);
+
 #[derive(Clone, Copy)]
-struct Ranking {
-    best: Option<usize>,
-    score: f64,
-    contest: f64,
+struct Score {
+    exact: f64,
+    /// At least and at most, with both bearings off by their errors.
+    worst: f64,
+    likeliest: f64,
 }
 
-fn rank(a: usize, gateways: &[Gateway], parameters: &FragmentParameters) -> Ranking {
-    let score = |b: usize| symmetric_score(&gateways[a], &gateways[b]);
-    let mut others: Vec<usize> = (0..gateways.len()).filter(|&b| b != a && score(b) > 0.0).collect();
-    // Of equals the first stays first.
-    others.sort_by(|&b, &c| score(c).total_cmp(&score(b)));
-    let Some((&best, others)) = others.split_first() else {
-        return Ranking { best: None, score: 0.0, contest: 0.0 };
-    };
-    let [worst, _] = score_bounds(&gateways[a], &gateways[best]);
-    let contest = others.iter().map(|&other| {
-        let [_, likeliest] = score_bounds(&gateways[a], &gateways[other]);
-        let near = score(other) / (parameters.ambiguity * score(best));
-        near.max(likeliest / worst.max(f64::MIN_POSITIVE))
-    });
-    Ranking { best: Some(best), score: score(best), contest: contest.fold(0.0, f64::max) }
+impl Scores {
+    fn of(gateways: &[Gateway]) -> Scores {
+        let score = |a: &Gateway, b: &Gateway| {
+            let [worst, likeliest] = score_bounds(a, b);
+            Score { exact: symmetric_score(a, b), worst, likeliest }
+        };
+        Scores(gateways.iter().map(|a| gateways.iter().map(|b| score(a, b)).collect()).collect())
+    }
+
+    /// How far two gateways are from not being a pair, above nought; or from being one, below. In fractions of what decides:
+    /// of the least score, and of the runner-up's share of the score; of both the less, within one.
+    fn sureness(&self, a: usize, b: usize, parameters: &FragmentParameters) -> f64 {
+        let own = self.0[a][b];
+        let share = |rival: Score| {
+            let near = rival.exact / (parameters.ambiguity * own.exact).max(f64::MIN_POSITIVE);
+            near.max(rival.likeliest / own.worst.max(f64::MIN_POSITIVE))
+        };
+        let rivals = [a, b].into_iter().flat_map(|end| {
+            let others = (0..self.0.len()).filter(move |&other| other != a && other != b);
+            others.map(move |other| self.0[end][other]).filter(|rival| rival.exact > 0.0)
+        });
+        let contest = rivals.map(share).fold(0.0, f64::max);
+        (own.exact / parameters.least_score - 1.0).min(1.0 - contest).max(-1.0)
+    }
 }
 
 /// The least and the greatest score of a pair with both bearings off by their errors to either side.
@@ -114,6 +123,9 @@ fn across(a: &Gateway, b: &Gateway) -> f64 {
 mod tests {
     use super::*;
     use crate::geometry::{Point, direction};
+    use proptest::prelude::*;
+    use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
+    use std::cell::Cell;
     use std::f64::consts::PI;
 
     fn gateway(x: f64, y: f64, bearing: f64) -> Gateway {
@@ -167,6 +179,73 @@ mod tests {
         let through = [gateway(2.0, 0.0, 0.0), gateway(0.0, -2.0, -PI / 2.0), gateway(-2.0, 0.0, PI)];
         let through = through.map(|one| Gateway { bearing_error: 0.1 / 2.0, ..one });
         assert_eq!(pairs(&through), [(0, Some(2)), (1, None)]);
+    }
+
+    /// Whether two gateways pair, word for word, where what decides is stricter by a fraction, or laxer.
+    fn pairs_if_stricter(gateways: &[Gateway], [a, b]: [usize; 2], by: f64) -> bool {
+        let FragmentParameters { least_score, ambiguity } = FragmentParameters::default();
+        let score = |a: usize, b: usize| symmetric_score(&gateways[a], &gateways[b]);
+        let bounds = |a: usize, b: usize| score_bounds(&gateways[a], &gateways[b]);
+        let leaves_behind = |end: usize, other: usize| {
+            score(end, other) < (1.0 - by) * ambiguity * score(a, b)
+                && bounds(end, other)[1] < (1.0 - by) * bounds(a, b)[0]
+        };
+        let rivals = (0..gateways.len()).filter(|&other| other != a && other != b);
+        let mut rivals =
+            rivals.flat_map(|other| [(a, other), (b, other)]).filter(|&(end, other)| score(end, other) > 0.0);
+        score(a, b) > (1.0 + by) * least_score && rivals.all(|(end, other)| leaves_behind(end, other))
+    }
+
+    fn partner(gateways: &[Gateway], a: usize, by: f64) -> Option<usize> {
+        (0..gateways.len()).find(|&b| b != a && pairs_if_stricter(gateways, [a, b], by))
+    }
+
+    /// What decides is made stricter where gateways pair and laxer where they do not, a thousandth at a time, until a
+    /// gateway is decided otherwise.
+    #[test]
+    fn margins_are_what_must_change_for_another_decision() {
+        let [pairs, ends, taken] = [Cell::new(0), Cell::new(0), Cell::new(0)];
+        let count = |cell: &Cell<usize>, so: bool| cell.set(cell.get() + usize::from(so));
+        let way = (0.0..2.0 * PI, 1.0..3.0, -0.4..0.4, 0.0..0.06);
+        let way = way.prop_map(|(at, far, off, error): (f64, f64, f64, f64)| Gateway {
+            bearing_error: error,
+            ..gateway(far * at.cos(), far * at.sin(), at + off)
+        });
+        let config = ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(256) };
+        let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
+        let outcome = runner.run(&prop::collection::vec(way, 1..6), |gateways| {
+            let found = pair(&gateways, &FragmentParameters::default());
+            let mut met: Vec<usize> =
+                found.iter().flat_map(|one| [Some(one.gateway), one.partner]).flatten().collect();
+            met.sort_unstable();
+            prop_assert_eq!(met, (0..gateways.len()).collect::<Vec<_>>());
+            for Fragment { gateway, partner: with, margin } in found {
+                prop_assert_eq!(with, partner(&gateways, gateway, 0.0));
+                let step = if with.is_some() { 0.001 } else { -0.001 };
+                let otherwise = |k: &i32| partner(&gateways, gateway, f64::from(*k) * step) != with;
+                let slow = (0..1000).find(otherwise).map_or(1.0, |k| f64::from(k) / 1000.0);
+                prop_assert!(
+                    (margin - slow).abs() < 0.0011,
+                    "{} of {:?}: {} {}",
+                    gateway,
+                    with,
+                    margin,
+                    slow
+                );
+                count(&pairs, with.is_some());
+                count(&ends, with.is_none());
+                // The one that it faces best goes on with another one.
+                let faced = (0..gateways.len()).filter(|&b| b != gateway);
+                let score = |b: usize| symmetric_score(&gateways[gateway], &gateways[b]);
+                let best = faced.max_by(|&b, &c| score(b).total_cmp(&score(c))).filter(|&b| score(b) > 0.5);
+                let goes_on = best.is_some_and(|b| partner(&gateways, b, 0.0).is_some());
+                count(&taken, with.is_none() && goes_on && margin > 0.05);
+            }
+            Ok(())
+        });
+        outcome.unwrap();
+        let all = [pairs.get(), ends.get(), taken.get()];
+        assert!(all[0] > 50 && all[1] > 100 && all[2] > 5, "{all:?}");
     }
 
     #[test]

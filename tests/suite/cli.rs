@@ -309,6 +309,57 @@ fn a_map_with_readings_changed_says_so_everywhere() {
     assert_eq!(report["candidates"]["value"], 0);
 }
 
+/// There and back along a corridor: the side door of the junction is read on its wall's side in doubt, and the end of the
+/// corridor, beyond doubt, as a way on.
+#[test]
+fn a_map_with_readings_changed_that_leads_no_further_says_how_far() {
+    let slot = |[fragment, outward, inward]: [u32; 3], sign: &str, control: &str, margin: f64| {
+        let gateway = |id: u32| (id > 0).then_some(id);
+        let (outward, inward) = (gateway(outward), gateway(inward));
+        serde_json::json!({ "fragment": fragment, "direction": sign, "out": outward, "in": inward,
+            "control": control, "margin": margin })
+    };
+    let end = vec![slot([1, 1, 0], "+", "midline", 0.9), slot([1, 0, 1], "-", "dead_end", 0.9)];
+    let on = vec![slot([1, 1, 2], "+", "midline", 0.9), slot([1, 2, 1], "-", "midline", 0.9)];
+    let junction = |control: &str, margin: f64| {
+        let [ahead, back] =
+            [("+", [1, 1, 3]), ("-", [1, 3, 1])].map(|(sign, way)| slot(way, sign, "midline", 0.9));
+        vec![ahead, slot([2, 0, 4], "+", "dead_end", 0.9), back, slot([2, 4, 0], "-", control, margin)]
+    };
+    let (travel, back) =
+        (serde_json::json!({ "kind": "travel" }), serde_json::json!({ "kind": "turn", "to": 0 }));
+    let seen = |slots: Vec<Value>, dstate: u32| serde_json::json!({ "kind": "observation", "star": { "slots": slots }, "dstate": dstate });
+    let (first, again) = (seen(junction("midline", 0.9), 0), seen(junction("left_wall", 0.07), 2));
+    let mut events = vec![seen(end.clone(), 0), travel.clone(), first, travel.clone(), seen(end, 1), back];
+    events.extend([travel.clone(), again, travel, seen(on, 0)]);
+    for (number, event) in events.iter_mut().enumerate() {
+        event["seq"] = number.into();
+    }
+    let walk = events.iter().map(Value::to_string).collect::<Vec<_>>().join("\n");
+    let output = fed(&["map", "-", "--json"], walk.as_bytes());
+    assert_eq!(output.status.code(), Some(4), "{}", text(&output.stderr));
+    let report = json(&output);
+    let mending = &report["mending"];
+    let numbers = ["observations", "first", "explained"].map(|name| mending[name].as_u64());
+    assert_eq!(numbers, [Some(5), Some(0), Some(4)], "{report}");
+    assert_eq!((&mending["told"], &mending["proven"]), (&serde_json::json!([0, 1, 2, 3]), &true.into()));
+    let [change] = &mending["changes"].as_array().unwrap()[..] else { panic!("{mending}") };
+    assert_eq!(
+        ["kind", "observation", "like"].map(|name| &change[name]),
+        [&Value::from("label"), &3.into(), &1.into()]
+    );
+    assert_eq!(mending["map"]["visits"].as_array().unwrap().len(), 4);
+    assert_eq!(report["standstill"]["observation"], 3, "why the walk as it was read stands still");
+    let words = text(&fed(&["map", "-"], walk.as_bytes()).stdout);
+    for part in [
+        "nor with doubtful readings changed. The map is that of observations 0 to 3",
+        "observation 3, slot 3: midline read as left_wall, margin 7 %, as at observation 1",
+        "1 observations are left",
+    ] {
+        assert!(words.contains(part), "{part}: {words}");
+    }
+}
+
 #[test]
 fn an_operators_word_is_tried_out_and_written_down() {
     let trace = "worlds/aces-stars.ndjson";
