@@ -92,7 +92,10 @@ impl Evidence for Asking {
         if axiom == AxiomId::Apart && proposal.branch.visits().len() == self.last {
             *self.answer.lock().unwrap() = match self.visits {
                 Some((visits, gate)) => self.measured.to_part(proposal, visits, self.distance, gate),
-                None => self.measured.room(proposal, self.distance).into_iter().map(lacking).collect(),
+                None => {
+                    let room = |range| lacking(self.measured.room(proposal, range, self.distance));
+                    (0..Measurements::RANGES).map(room).collect()
+                }
             };
         }
         true

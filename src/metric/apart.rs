@@ -62,11 +62,12 @@ pub(super) fn to_part(
 }
 
 /// As [`crate::metric::Measurements::room`].
-pub(super) fn room(story: &Story<'_>, distance: f64) -> [Option<Room>; SHARES.len()] {
+pub(super) fn room(story: &Story<'_>, share: usize, distance: f64) -> Option<Room> {
     let room = |layout: &Layout| {
-        layout.agrees().then(|| layout.room(&first_visits(story, layout), distance, Patience::Long))
+        let visits = first_visits(story, layout);
+        layout.agrees().then(|| layout.room(&visits, distance, Patience::Long))
     };
-    std::array::from_fn(|share| judged(story, share, room)?)
+    judged(story, share, room)?
 }
 
 /// What is made of the layout that a proposal is judged in: by the loop that the latest travel closes too, if it does.

@@ -30,12 +30,19 @@ pub(super) enum Patience {
     /// As long as it seems that there is none: up to where a visit comes to rest within a polygon though it is beyond one of its sides
     /// by first order. Such a branch hardly ever ends.
     Short,
-    /// To the end.
+    /// To the end, or ten times as long.
     Long,
 }
 
-/// At most so many sets of sides are looked at.
-const STEPS: usize = 400;
+impl Patience {
+    /// At most so many sets of sides are looked at.
+    fn steps(self) -> usize {
+        match self {
+            Patience::Short => 400,
+            Patience::Long => 4_000,
+        }
+    }
+}
 
 /// Whether all places can lie apart at once.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,7 +71,7 @@ impl Layout {
     pub(super) fn room(&self, visits: &[usize], radius: f64, patience: Patience) -> Room {
         let Some(polygons) = Polygons::new(self, visits, radius) else { return Room::Unknown };
         let mut search = Search { layout: self, polygons, patience, ended: BTreeMap::new() };
-        match choice(STEPS, |sides| search.look(sides)) {
+        match choice(patience.steps(), |sides| search.look(sides)) {
             Choice::Found => Room::Found,
             Choice::Unknown => Room::Unknown,
             Choice::Lacking => {

@@ -7,6 +7,7 @@ use crate::metric::crowd::Room;
 use crate::metric::frames::Story;
 use crate::metric::layout::Span;
 use crate::metric::leg::Travelled;
+use crate::metric::share::SHARES;
 use crate::metric::{MetricParameters, angle, apart, closure, distance};
 use crate::star::SlotIndex;
 use crate::trace::Sighting;
@@ -109,15 +110,18 @@ impl Measurements {
         apart::to_part(&Story::new(stays, proposal, &self.parameters), span, distance, gate).into()
     }
 
+    /// How many ranges there are of the share of heading errors that is the same on all travels.
+    pub const RANGES: usize = SHARES.len();
+
     /// Whether the robot can have stood so many metres apart on the first visits to any two places, if a proposal holds, all at
-    /// once: by which `apart` judges too. One answer for each range of the share of heading errors that is the same on all
-    /// travels, `None` where no likely errors close the loops. What is lacking is lacking as far as a descent from the likeliest
-    /// errors finds the least chi-square; what is found is within a thirtieth of the distance, of which a polygon falls short
-    /// of a circle.
-    pub fn room(&self, proposal: &Proposal<'_>, distance: f64) -> Vec<Option<Room>> {
+    /// once: by which `apart` judges too, though not for as long. Asked of one range of the share of heading errors that is the same on
+    /// all travels, by number; `None` where no likely errors close the loops. What is lacking is lacking as far as a descent from the
+    /// likeliest errors finds the least chi-square; what is found is within a thirtieth of the distance, of which a polygon
+    /// falls short of a circle.
+    pub fn room(&self, proposal: &Proposal<'_>, range: usize, distance: f64) -> Option<Room> {
         let known = proposal.branch.visits().len();
-        let Some(stays) = self.stays.get(..=known) else { return Vec::new() };
-        apart::room(&Story::new(stays, proposal, &self.parameters), distance).into()
+        let stays = self.stays.get(..=known).filter(|_| range < Measurements::RANGES)?;
+        apart::room(&Story::new(stays, proposal, &self.parameters), range, distance)
     }
 
     /// What is made of how the proposal breaks the axiom, if it does.
