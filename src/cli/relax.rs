@@ -29,7 +29,7 @@ Examples:
   topostar relax run.graph -o run.tum --svg run.svg   a trajectory, and a picture before and after
   topostar relax run.g2o --loss cauchy                when loops may have been closed wrongly
   topostar relax run.g2o --max-seconds 60             the best that a minute gives
-  topostar relax run.g2o --growing                    pose by pose, and what each costs while the robot drives
+  topostar relax run.g2o --growing                    pose by pose, and what that takes while the robot drives
   topostar relax run.g2o --covariance 17              how sure the place of pose 17 is")]
 pub(super) struct Relax {
     /// A pose graph in g2o or TORO format, plain, .gz or .bz2; '-' is standard input.
@@ -333,12 +333,16 @@ fn describe(text: &mut String, report: &RelaxationReport) -> std::fmt::Result {
         writeln!(text, "  {note}")?;
     }
     if let Some(growing) = &report.growing {
-        let GrowthReport { poses, updates, relaxed, most_relaxed, seconds, slowest, .. } = growing;
+        let GrowthReport { poses, updates, relaxed, most_relaxed, not_converged, seconds, slowest, .. } =
+            growing;
         writeln!(
             text,
             "{poses} poses taken in one after the other in {seconds:.3} s, {slowest:.4} s for the slowest"
         )?;
         writeln!(text, "  {updates} of them moved others: {relaxed} in all, {most_relaxed} at most")?;
+        if *not_converged > 0 {
+            writeln!(text, "  {not_converged} of these did not converge")?;
+        }
     }
     let each = report.objective / report.degrees_of_freedom.max(1) as f64;
     writeln!(text, "objective {:.6}", report.objective)?;

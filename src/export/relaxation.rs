@@ -1,7 +1,7 @@
 //! A relaxed pose graph as JSON.
 
 use crate::export::strain::RelaxationOutcome;
-use crate::patchwork::{Outcome, PoseGraph, Relaxation, Start};
+use crate::patchwork::{Outcome, PoseGraph, Relaxation, Start, Update};
 use serde::Serialize;
 
 /// What `topostar relax --json` prints.
@@ -58,6 +58,8 @@ pub struct GrowthReport {
     pub most_relaxed: usize,
     /// Steps of all updates together.
     pub iterations: usize,
+    /// How many updates did not converge.
+    pub not_converged: usize,
     /// How long all poses took, by the clock.
     pub seconds: f64,
     /// How long the slowest pose took.
@@ -65,13 +67,14 @@ pub struct GrowthReport {
 }
 
 impl GrowthReport {
-    /// One pose more, which had so many relaxed in so many steps and so long.
-    pub fn took(&mut self, relaxed: usize, iterations: usize, seconds: f64) {
+    /// One pose more, and what that took.
+    pub fn took(&mut self, update: &Update, seconds: f64) {
         self.poses += 1;
-        self.updates += usize::from(relaxed > 0);
-        self.relaxed += relaxed;
-        self.most_relaxed = self.most_relaxed.max(relaxed);
-        self.iterations += iterations;
+        self.updates += usize::from(update.relaxed > 0);
+        self.relaxed += update.relaxed;
+        self.most_relaxed = self.most_relaxed.max(update.relaxed);
+        self.iterations += update.iterations;
+        self.not_converged += usize::from(update.outcome != Outcome::Converged);
         self.seconds += seconds;
         self.slowest = self.slowest.max(seconds);
     }

@@ -41,7 +41,7 @@ pub struct Mended {
     pub changes: Vec<Change>,
     /// What the changes cost.
     pub sum: Sum,
-    /// Whether no other changes that are looked for cost less, or lead further: none was left out for want of steps or
+    /// Whether no other changes that are looked for cost less, or lead further: none was left out for want of work or
     /// candidates.
     pub proven: bool,
 }
@@ -66,8 +66,9 @@ pub struct Told {
 /// looked for is what a later visit would have to teach for the walk to come that far, nor two changes for one visit more.
 /// Law: with nothing to change it costs one beginning a visit, and the same readings always give the same changes.
 ///
-/// Costs, beside what the bounds allow the search (its memory too is at most a few hundred bytes for each candidate made), one
-/// comparison of two stars for each pair of visits among those reached.
+/// Costs, beside what the bounds allow the search, one comparison of two stars for each pair of visits among those reached.
+/// Memory is that of the beginnings which ways of going on wait for, each linear in its visits and candidates: up to 1.7 GB where
+/// there are many ways and few candidates.
 pub fn mend(readings: &[Reading], axioms: AxiomSet, bounds: Bounds) -> Mended {
     mend_within(readings, axioms, bounds, &mut Work::new(bounds))
 }

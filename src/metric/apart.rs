@@ -62,10 +62,10 @@ pub(super) fn to_part(
 }
 
 /// As [`crate::metric::Measurements::room`].
-pub(super) fn room(story: &Story<'_>, share: usize, distance: f64) -> Option<Room> {
+pub(super) fn room(story: &Story<'_>, share: usize, distance: f64, patience: Patience) -> Option<Room> {
     let room = |layout: &Layout| {
         let visits = first_visits(story, layout);
-        layout.agrees().then(|| layout.room(&visits, distance, Patience::Long))
+        layout.agrees().then(|| layout.room(&visits, distance, patience))
     };
     judged(story, share, room)?
 }

@@ -8,7 +8,7 @@
 //! condition of several (disjunctive programming, Balas 1979). Branch and bound (Land and Doig 1960): least squares beyond
 //! the sides chosen so far; if that takes more chi-square than their gate, by the profile of the likelihood too
 //! ([`crate::metric::profile`]), the branch ends; else each side around a place comes next that lies within another's
-//! polygon. If no place does, all can lie apart, to first order.
+//! polygon. If no place does, and errors within the gate are found with which that is so, all can lie apart.
 //!
 //! What ends a branch is kept as a conflict, of as few sides as it takes ([`crate::metric::conflicts`]).
 //!
@@ -26,9 +26,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// How long to look for room.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Patience {
-    /// As long as it seems that there is none: up to where a visit comes to rest within a polygon though it is beyond one of its sides
-    /// by first order. Such a branch hardly ever ends.
+pub enum Patience {
+    /// As `apart` does: as long as it seems that there is none, up to where a visit comes to rest within a polygon though it
+    /// was put beyond one of its sides. Such a branch hardly ever ends.
     Short,
     /// To the end, or ten times as long.
     Long,
@@ -47,7 +47,8 @@ impl Patience {
 /// Whether all places can lie apart at once.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Room {
-    /// Likely errors are found with which they do.
+    /// Errors within the gate are found with which they do. Found in a range of shares, whose covariances bound those of each share
+    /// in it, it says that this bound leaves room, and not that any one share does.
     Found,
     /// What that takes is more than is likely.
     Lacking(Crowd),

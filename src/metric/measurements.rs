@@ -3,7 +3,7 @@
 use crate::abduction::{AxiomId, Clash, Evidence, Proposal};
 use crate::geometry::Pose;
 use crate::metric::breach::Breach;
-use crate::metric::crowd::Room;
+use crate::metric::crowd::{Patience, Room};
 use crate::metric::frames::Story;
 use crate::metric::layout::Span;
 use crate::metric::leg::Travelled;
@@ -114,14 +114,21 @@ impl Measurements {
     pub const RANGES: usize = SHARES.len();
 
     /// Whether the robot can have stood so many metres apart on the first visits to any two places, if a proposal holds, all at
-    /// once: by which `apart` judges too, though not for as long. Asked of one range of the share of heading errors that is the same on
-    /// all travels, by number; `None` where no likely errors close the loops. What is lacking is lacking as far as a descent from the
-    /// likeliest errors finds the least chi-square; what is found is within a thirtieth of the distance, of which a polygon
-    /// falls short of a circle.
-    pub fn room(&self, proposal: &Proposal<'_>, range: usize, distance: f64) -> Option<Room> {
+    /// once: by which `apart` judges too, with [`Patience::Short`]. Asked of one range of the share of heading errors that is the
+    /// same on all travels, by number; `None` where no likely errors close the loops. What is lacking is lacking as far as a
+    /// descent from the likeliest errors finds the least chi-square. What is found is short of the distance by 3.5 % at most,
+    /// of which a polygon falls short of a circle, but for what a descent that rests by chi-square leaves. Hundreds of
+    /// least-squares problems, each cubic in the loops.
+    pub fn room(
+        &self,
+        proposal: &Proposal<'_>,
+        range: usize,
+        distance: f64,
+        patience: Patience,
+    ) -> Option<Room> {
         let known = proposal.branch.visits().len();
         let stays = self.stays.get(..=known).filter(|_| range < Measurements::RANGES)?;
-        apart::room(&Story::new(stays, proposal, &self.parameters), range, distance)
+        apart::room(&Story::new(stays, proposal, &self.parameters), range, distance, patience)
     }
 
     /// What is made of how the proposal breaks the axiom, if it does.

@@ -34,6 +34,6 @@ mod share;
 mod sides;
 mod uncertainty;
 
-pub use crowd::{Crowd, Room};
+pub use crowd::{Crowd, Patience, Room};
 pub use measurements::Measurements;
 pub use parameters::MetricParameters;

@@ -28,6 +28,8 @@ pub(super) const SHARES: [Share; 5] = [
 ];
 /// Which of the ranges holds all.
 const ANY: usize = 1;
+/// The others. Most often it is where a heading error is mostly new on every travel that an axiom is not broken.
+const PARTS: [usize; 4] = [4, 2, 0, 3];
 
 /// What breaks an axiom whatever the share is: in the range that holds all of them, or else in each of the others.
 pub(super) fn in_every<T>(mut breach: impl FnMut(usize) -> Option<T>) -> Option<Vec<T>> {
@@ -39,10 +41,9 @@ pub(super) fn in_every<T>(mut breach: impl FnMut(usize) -> Option<T>) -> Option<
     Some([first].into_iter().chain(others?).collect())
 }
 
-/// What breaks an axiom in each of the ranges that hold all shares together, where that takes long to find out: most often it does
-/// not where a heading error is mostly new on every travel, so that range comes first.
+/// What breaks an axiom in each of the ranges that hold all shares together, where that takes long to find out.
 pub(super) fn in_each<T>(breach: impl FnMut(usize) -> Option<T>) -> Option<Vec<T>> {
-    [4, 2, 0, 3].into_iter().map(breach).collect()
+    PARTS.into_iter().map(breach).collect()
 }
 
 /// A travel with the two parts of its error.
@@ -63,5 +64,17 @@ impl Share {
         let mut common = leg.causes;
         common.column_mut(2).scale_mut(self.same.sqrt());
         Travel { pose: leg.pose, own, common }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_ranges_but_the_one_of_all_are_its_parts() {
+        let mut parts = PARTS.to_vec();
+        parts.sort_unstable();
+        assert_eq!(parts, (0..SHARES.len()).filter(|range| *range != ANY).collect::<Vec<_>>());
     }
 }

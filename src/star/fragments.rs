@@ -47,7 +47,7 @@ pub(super) fn pair(gateways: &[Gateway], parameters: &FragmentParameters) -> Vec
                 }
             }
             other => {
-                let margin = other.map_or(1.0, |(_, sureness)| -sureness);
+                let margin = other.map_or(1.0, |(_, sureness)| 0.0 - sureness);
                 fragments.push(Fragment { gateway: a, partner: None, margin });
             }
         }

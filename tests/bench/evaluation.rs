@@ -20,7 +20,7 @@ use topostar::abduction::{
     Visit, judge,
 };
 use topostar::map::PlaceId;
-use topostar::metric::{Measurements, MetricParameters, Room};
+use topostar::metric::{Measurements, MetricParameters, Patience, Room};
 use topostar::trace::Sighting;
 use topostar::worlds::{Drift, StarTrace};
 
@@ -90,7 +90,7 @@ struct Found {
     kept: bool,
     preferred: bool,
     alone: bool,
-    /// Of how many candidates at the end likely errors are found with which all places lie apart.
+    /// Of how many candidates at the end errors within a bound are found with which all places lie apart.
     roomy: usize,
     by_axiom: Vec<(&'static str, u64)>,
 }
@@ -125,8 +125,8 @@ impl Found {
     }
 }
 
-/// Whether likely errors are found with which all places of a candidate lie apart, whatever share of them is the same on all
-/// travels. Of the others that is not found out.
+/// Whether errors are found with which all places of a candidate lie apart, within the bound of some range of the share of them that
+/// is the same on all travels. Of the others that is not found out.
 fn has_room(seen: &[Visit], measured: &Measurements, candidate: &[Assignment]) -> bool {
     let asking = Asking { measured: measured.clone(), last: seen.len() - 1, found: AtomicBool::new(false) };
     let axioms = AxiomSet::built_in().with(AxiomId::Apart);
@@ -145,7 +145,8 @@ impl Evidence for Asking {
     fn holds(&self, _: AxiomId, proposal: &Proposal<'_>) -> bool {
         if proposal.branch.visits().len() == self.last {
             let separation = MetricParameters::default().separation;
-            let found = |range| self.measured.room(proposal, range, separation) == Some(Room::Found);
+            let found =
+                |range| self.measured.room(proposal, range, separation, Patience::Long) == Some(Room::Found);
             // Errors that are mostly new on every travel, the last range, leave most room.
             self.found.store((0..Measurements::RANGES).rev().any(found), Ordering::Relaxed);
         }

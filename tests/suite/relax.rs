@@ -10,12 +10,16 @@ use std::process::Command;
 
 /// A square of corridors walked twice, its odometry turning a little too far, with what was recognised.
 fn square() -> String {
+    laps(2)
+}
+
+fn laps(laps: usize) -> String {
     let mut text = String::new();
-    for k in 0..40 {
+    for k in 0..20 * laps {
         let turn = if k % 5 == 4 { 1.62 } else { 0.002 };
         writeln!(text, "EDGE_SE2 {k} {} 1.01 0.01 {turn} 400 0 0 400 0 2500", k + 1).unwrap();
     }
-    for k in 0..=20 {
+    for k in 0..=20 * (laps - 1) {
         writeln!(text, "EDGE_SE2 {k} {} 0.02 -0.01 0.001 400 0 0 400 0 2500", k + 20).unwrap();
     }
     text
@@ -213,6 +217,14 @@ fn a_graph_taken_in_pose_by_pose_ends_where_the_whole_does() {
         assert_eq!(growing["relaxed"], (20..=40).sum::<u64>());
         assert_eq!(growing["most_relaxed"], 40);
     }
+    // A pose held far from where odometry leads takes all others along.
+    let walk = format!("VERTEX_SE2 300 900 -70 2\n{}FIX 300\n", laps(30));
+    let [whole, grown] = [&[][..], &["--growing"]]
+        .map(|more| json(&fed(&[&["relax", "-", "--json"], more].concat(), walk.as_bytes())));
+    let [a, b] = [&whole, &grown].map(|report| report["objective"].as_f64().unwrap());
+    assert!((a / b - 1.0).abs() < 1e-6, "{a} {b}");
+    assert_eq!((&grown["gauge"], &grown["growing"]["not_converged"]), (&serde_json::json!([300]), &0.into()));
+    assert!(grown["iterations"].as_u64().unwrap() <= 2, "{}", grown["iterations"]);
     let words = fed(&["relax", "-", "--growing"], square().as_bytes());
     assert!(text(&words.stdout).contains("41 poses taken in one after the other"));
     assert!(text(&words.stdout).contains("21 of them moved others: 630 in all, 40 at most"));

@@ -78,6 +78,12 @@ impl IncrementalGraph {
     /// Takes in what was added. A pose at the end of a single edge costs nothing; an edge that closes a loop costs a search
     /// through its part, linear, and the relaxation of the poses on loops through it.
     pub fn relax(&mut self) -> Result<Update, RelaxError> {
+        self.relax_until(&|| false)
+    }
+
+    /// The same, until `interrupted` says so, which is asked before each factorisation: then the outcome is
+    /// [`Outcome::Interrupted`], and what was added is left as far as it was relaxed by then.
+    pub fn relax_until(&mut self, interrupted: &dyn Fn() -> bool) -> Result<Update, RelaxError> {
         let fresh: Vec<u32> = (self.settled..self.graph.edges().len()).map(|edge| edge as u32).collect();
         self.place(&fresh);
         let strained: Vec<u32> = fresh.into_iter().filter(|edge| self.strain(*edge) > AGREES).collect();
@@ -92,7 +98,7 @@ impl IncrementalGraph {
             let block = blocks[edge as usize];
             let edges: Vec<u32> = (0..).zip(&blocks).filter(|(_, b)| **b == block).map(|(e, _)| e).collect();
             edges.iter().for_each(|edge| done[*edge as usize] = true);
-            let one = self.relax_block(&edges, |edge| blocks[edge as usize] == block)?;
+            let one = self.relax_block(&edges, |edge| blocks[edge as usize] == block, interrupted)?;
             update.relaxed += one.relaxed;
             update.iterations += one.iterations;
             if one.outcome != Outcome::Converged {
@@ -138,7 +144,12 @@ impl IncrementalGraph {
 
     /// Relaxes the poses of a block, and carries along what hangs on it. The pose through which the first pose of all hangs
     /// on the block stays where it is.
-    fn relax_block(&mut self, edges: &[u32], inside: impl Fn(u32) -> bool) -> Result<Update, RelaxError> {
+    fn relax_block(
+        &mut self,
+        edges: &[u32],
+        inside: impl Fn(u32) -> bool,
+        interrupted: &dyn Fn() -> bool,
+    ) -> Result<Update, RelaxError> {
         let mut members: Vec<u32> = edges.iter().flat_map(|edge| self.graph.ends()[*edge as usize]).collect();
         members.sort_unstable();
         members.dedup();
@@ -146,7 +157,8 @@ impl IncrementalGraph {
         let root = carriers.iter().flatten().next().copied();
         members.sort_by_key(|pose| (Some(*pose) != root, *pose));
         let part = self.part(&members, edges)?;
-        let answer = Relaxer::new(&part, &RelaxOptions { start: Start::Best, ..self.options })?.relax()?;
+        let answer = Relaxer::new(&part, &RelaxOptions { start: Start::Best, ..self.options })?
+            .relax_until(interrupted)?;
         // What the block hangs on stays to the last bit.
         self.carry(&members[1..], &answer.poses[1..], &carriers);
         Ok(Update { relaxed: members.len() - 1, iterations: answer.iterations, outcome: answer.outcome })

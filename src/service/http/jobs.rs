@@ -9,7 +9,7 @@ use axum::Json;
 use axum::extract::rejection::PathRejection;
 use axum::extract::{FromRequestParts, Path, State};
 use axum::http::request::Parts;
-use axum::http::{HeaderMap, StatusCode, header};
+use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use humantime::format_rfc3339_millis;
 use serde::Serialize;
@@ -217,8 +217,13 @@ pub(super) fn answer(job: &Job, request: &HeaderMap) -> Result<Response, Problem
         Progress::Done(made) => Ok(made.answer(request)),
         Progress::Failed(problem) => Err(problem.clone()),
         Progress::Queued | Progress::Running | Progress::Cancelled => {
-            let headers = [(header::LOCATION, address(job)), (header::RETRY_AFTER, RETRY_AFTER.into())];
-            Ok((StatusCode::ACCEPTED, headers, Json(JobDocument::of(job))).into_response())
+            let (location, body) = ([(header::LOCATION, address(job))], Json(JobDocument::of(job)));
+            let mut response = (StatusCode::ACCEPTED, location, body).into_response();
+            // What was cancelled stays so.
+            if !matches!(job.progress, Progress::Cancelled) {
+                response.headers_mut().insert(header::RETRY_AFTER, HeaderValue::from_static(RETRY_AFTER));
+            }
+            Ok(response)
         }
     }
 }
