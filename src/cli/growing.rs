@@ -16,8 +16,8 @@ pub(super) struct Grown {
 
 impl Grown {
     /// Takes in the poses of a graph in their order, and relaxes after each what the measurements that came with it touch.
-    /// The guesses of the graph are looked at only where a part begins, as a robot that drives has none. `interrupted` is asked
-    /// before each pose and each factorisation.
+    /// The guesses of the graph are looked at only where a part begins, as a robot that drives has none. `interrupted` is
+    /// asked before each pose and each factorisation.
     pub(super) fn of(
         graph: &PoseGraph,
         options: &RelaxOptions,

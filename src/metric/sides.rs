@@ -195,8 +195,8 @@ impl<'a> Polygons<'a> {
         most.map(|(_, pair)| pair)
     }
 
-    /// What two visits within each other's polygon may be beyond, what takes least first: a side of the square or, where one of these was chosen,
-    /// a part of it. None where no errors move the visits beyond a part chosen: more sides tell nothing then.
+    /// What two visits within each other's polygon may be beyond, what takes least first: a side of the square or, where one of
+    /// these was chosen, a part of it. None where no errors move the visits beyond a part chosen: more sides tell nothing then.
     pub(super) fn ways(&self, pair: &Pair, chosen: &[Side]) -> Option<Ways<Side>> {
         let known = chosen.iter().filter(|side| (side.from, side.to) == (pair.from, pair.to));
         let (whole, mut parts): (_, Vec<Side>) = match known.max_by_key(|side| side.of) {

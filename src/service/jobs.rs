@@ -1,7 +1,7 @@
 //! Jobs: work with a number, begun by one request, looked at and ended by others.
 //!
 //! Some run at a time, first come, first served, on the threads that such work has anyway. A job is of the map as it was when
-//! it was asked for; whoever asks for the same before it has ended has the same job. What has ended is kept for a while,
+//! it was first asked for; whoever asks for the same as a job, before it has ended and while the map finds the same, has the same job. What has ended is kept for a while,
 //! within bounds of number and size; nothing runs to forget it, as whoever looks next does.
 
 use crate::abduction::Report;
@@ -116,7 +116,7 @@ impl Progress {
 
 impl Jobs {
     /// No jobs yet, and turns for so many at once. Numbers go on from the clock, milliseconds since 1970, so that none is that
-    /// of a job before the service was started again.
+    /// of a job before the service was started again, as long as the clock is not set back.
     pub(super) fn new(limits: Limits, turns: usize) -> Jobs {
         let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         let last = u64::try_from(since.as_millis()).unwrap_or_default();
