@@ -18,10 +18,11 @@ impl RespondAsync {
     /// twice the first counts, as section 2 has it.
     pub(super) fn of(headers: &HeaderMap) -> Option<RespondAsync> {
         let lines: Vec<&str> = headers.get_all(PREFER).iter().filter_map(|line| line.to_str().ok()).collect();
-        let preferences = || lines.iter().flat_map(|line| split(line)).map(named);
-        let wait = preferences().find(|(name, _)| name == "wait").and_then(|(_, value)| value.parse().ok());
-        let asked = |(name, value): (String, &str)| name == "respond-async" && value.is_empty();
-        preferences().any(asked).then_some(RespondAsync { wait })
+        let preferences = || lines.iter().flat_map(|line| split(line, ',')).filter_map(named);
+        let value = |of: &str| preferences().find(|(name, _)| name == of).map(|(_, value)| value);
+        let wait = value("wait").filter(|value| value.bytes().all(|digit| digit.is_ascii_digit()));
+        let wait = wait.and_then(|value| value.parse().ok());
+        value("respond-async")?.is_empty().then_some(RespondAsync { wait })
     }
 
     /// How long the client waits.
@@ -38,21 +39,24 @@ impl RespondAsync {
     }
 }
 
-/// The preferences of a line, with a comma between; commas in quotes are none, nor are quotes after a backslash there.
-fn split(line: &str) -> impl Iterator<Item = &str> {
+/// What lies between separators; in quotes there are none, nor are quotes after a backslash there.
+fn split(text: &str, separator: char) -> impl Iterator<Item = &str> {
     let (mut quoted, mut escaped) = (false, false);
-    line.split(move |c| {
+    text.split(move |c| {
         quoted ^= c == '"' && !escaped;
         escaped = c == '\\' && quoted && !escaped;
-        c == ',' && !quoted
+        c == separator && !quoted
     })
 }
 
-/// The name of a preference, in small letters, and its value, without quotes; parameters are left out.
-fn named(preference: &str) -> (String, &str) {
-    let preference = preference.split(';').next().unwrap_or_default();
+/// The name of a preference, in small letters, and its value, without quotes, if these are two or none; parameters are left out.
+fn named(preference: &str) -> Option<(String, &str)> {
+    let preference = split(preference, ';').next()?;
     let (name, value) = preference.split_once('=').unwrap_or((preference, ""));
-    (name.trim().to_ascii_lowercase(), value.trim().trim_matches('"'))
+    let value = value.trim();
+    let bare = value.strip_prefix('"').and_then(|value| value.strip_suffix('"'));
+    let value = bare.or((!value.contains('"')).then_some(value))?;
+    Some((name.trim().to_ascii_lowercase(), value))
 }
 
 #[cfg(test)]
@@ -80,6 +84,12 @@ mod tests {
             (&["foo=\"a, respond-async, b\""], None),
             (&["foo=\"a\\\", respond-async, b\""], None),
             (&["foo=\"a\\\\\", respond-async"], once(None)),
+            (&["respond-async=x, respond-async"], None),
+            (&["respond-async=\""], None),
+            (&["respond-async=\"; x\""], None),
+            (&["foo=\"; respond-async\", wait=\"10"], None),
+            (&["respond-async, wait=\"10"], once(None)),
+            (&["respond-async, wait=+10"], once(None)),
             (&["respond-asynchronously"], None),
             (&[""], None),
         ] {
