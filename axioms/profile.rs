@@ -167,8 +167,8 @@ struct Compared {
     above: Option<f64>,
 }
 
-/// What chi-square may still change by, where either comes to rest. The engine ends where a step changes it by a hundredth; of
-/// some thousand cases one was seen that was 0.11 above the least there, as steps became shorter slowly.
+/// What chi-square may still change by, where either comes to rest. The engine ends where a step changes it by a hundredth; a
+/// case was seen that was 0.11 above the least there. Why is not known, so that this is wide, not tight.
 const REST: f64 = 0.2;
 
 fn assignment(&(place, rotation): &(usize, usize)) -> Assignment {
