@@ -12,6 +12,7 @@ use crate::cli::mending::{Attempt, attempt};
 use crate::cli::patchwork::{Patchwork, or_left_out, patchwork, rank, strain_in_words};
 use crate::cli::poses::{pose_errors, poses_in_words};
 use crate::cli::standstill::{Stopped, map_in_words, stopped};
+use crate::cli::values::{bytes, resolution, seconds};
 use crate::cli::words::{in_words, reasons_in_words, truth_in_words};
 use crate::explanation::{Verdict, verdict as verdict_of};
 use crate::export::{self, Explanation, Mark, PoseErrors, Truth, mending_text, standstill_text};
@@ -73,7 +74,7 @@ pub(super) struct Map {
     max_steps: Option<u64>,
     /// With --strategy best-first: the longest search, in seconds; what was found by then is shown.
     #[arg(long, value_name = "S", value_parser = seconds)]
-    max_seconds: Option<f64>,
+    max_seconds: Option<Duration>,
     /// Take every reading as it is: where no map explains them, do not look for doubtful ones to change.
     #[arg(long)]
     as_read: bool,
@@ -92,6 +93,9 @@ pub(super) struct Map {
     /// (odometry.png), the graph of the visits (patchwork.g2o), and of a log the way of the robot (trajectory.tum).
     #[arg(short, long, value_name = "DIR")]
     pub(super) output: Option<PathBuf>,
+    /// Side of a cell of the patchwork's grids, metres; where they would be too large, larger cells are taken and told.
+    #[arg(long, value_name = "METRES", requires = "output", default_value_t = 0.05, value_parser = resolution)]
+    resolution: f64,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -147,7 +151,7 @@ impl Map {
         if let Some(folder) = &self.output {
             let mut files = files(&events, &report, &wire, stopped.as_ref(), attempt)?;
             if let Some(patchwork) = &patchwork {
-                files.extend(patchwork.files()?);
+                files.extend(patchwork.files(self.resolution)?);
             }
             written(folder, files)?;
         }
@@ -265,8 +269,8 @@ impl Map {
             session.accept(&event).map_err(usage)?;
             events.push(event);
         }
-        let deadline = self.max_seconds.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds));
-        session.settle(&|| deadline.is_some_and(|deadline| Instant::now() >= deadline));
+        let begun = Instant::now();
+        session.settle(&|| self.max_seconds.is_some_and(|longest| begun.elapsed() >= longest));
         bar.finish_and_clear();
         Ok(Explained { events, session, fault })
     }
@@ -326,28 +330,6 @@ pub(super) fn progress(events: usize) -> ProgressBar {
         bar.set_style(style);
     }
     bar
-}
-
-/// A number of seconds on the command line.
-fn seconds(text: &str) -> Result<f64, String> {
-    let seconds: f64 = text.parse().map_err(|_| format!("`{text}` is no number, expected seconds"))?;
-    match (0.0..=1e9).contains(&seconds) {
-        true => Ok(seconds),
-        false => Err(format!("{seconds} is out of range, expected 0 to 1e9 seconds")),
-    }
-}
-
-/// A number of bytes on the command line.
-fn bytes(text: &str) -> Result<usize, String> {
-    let (number, unit) = match text.char_indices().next_back() {
-        Some((end, 'K')) => (&text[..end], 1 << 10),
-        Some((end, 'M')) => (&text[..end], 1 << 20),
-        Some((end, 'G')) => (&text[..end], 1 << 30),
-        _ => (text, 1),
-    };
-    let number: usize =
-        number.parse().map_err(|_| format!("`{text}` is no number of bytes, expected such as 64M"))?;
-    number.checked_mul(unit).filter(|&bytes| bytes > 0).ok_or_else(|| format!("{text} is out of range"))
 }
 
 /// A search that a limit cut.

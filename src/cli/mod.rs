@@ -24,6 +24,7 @@ mod relax;
 mod serve;
 mod standstill;
 mod star_race;
+mod values;
 mod view_race;
 mod words;
 mod world;

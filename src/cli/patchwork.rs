@@ -2,6 +2,7 @@
 
 use crate::abduction::{Assignment, Report};
 use crate::cli::failure::Failure;
+use crate::cli::files::Named;
 use crate::cli::input::Way;
 use crate::export::{
     self, MapStrain, RelaxationOutcome, StrainSum, WallsCompared, WayRelaxed, WayStrain, map_png, map_yaml,
@@ -16,9 +17,6 @@ use crate::patchwork::local_frames::{LocalFrames, LocalFramesError, graph};
 use crate::patchwork::merged::{Canvas, MergeError};
 use crate::patchwork::survey::Survey;
 use crate::patchwork::ties::Ties;
-
-/// Side of a cell of the patchwork's grid, metres.
-const RESOLUTION: f64 = 0.05;
 
 /// A candidate map relaxed.
 pub(super) struct Patchwork<'a> {
@@ -77,14 +75,14 @@ pub(super) fn patchwork<'a>(
 
 impl Patchwork<'_> {
     /// The files of the patchwork: the grid as a `map_server` pair, a picture of the same by odometry alone, the graph of the
-    /// visits, and the way of a log.
-    pub(super) fn files(&self) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+    /// visits, and the way of a log. Cells are of so many metres, if that is not too many cells.
+    pub(super) fn files(&self, resolution: f64) -> Result<Vec<Named>, Failure> {
         let mut files = Vec::new();
-        if let Some(grid) = self.grid() {
+        if let Some(grid) = self.grid(resolution) {
             files.push(("patchwork.png".to_owned(), map_png(&grid).map_err(broken)?));
             files.push(("patchwork.yaml".to_owned(), map_yaml(&grid, "patchwork.png").into_bytes()));
         }
-        if let Some(grid) = self.grid_by_odometry()? {
+        if let Some(grid) = self.grid_by_odometry(resolution)? {
             files.push(("odometry.png".to_owned(), map_png(&grid).map_err(broken)?));
         }
         let graph = graph(&self.survey.travels(), &self.frames.closures).map_err(broken)?;
@@ -97,22 +95,22 @@ impl Patchwork<'_> {
     }
 
     /// The scans of a log along its way, or else the LPMs of a trace.
-    fn grid(&self) -> Option<OccupancyGrid> {
-        fitted(|canvas| match self.driven.is_empty() {
+    fn grid(&self, resolution: f64) -> Option<OccupancyGrid> {
+        fitted(resolution, |canvas| match self.driven.is_empty() {
             true => self.survey.grid(&self.frames, canvas, &|| false),
             false => self.way.drive.grid(&self.driven, canvas),
         })
     }
 
     /// The same where the robot was by its odometry.
-    fn grid_by_odometry(&self) -> Result<Option<OccupancyGrid>, Failure> {
+    fn grid_by_odometry(&self, resolution: f64) -> Result<Option<OccupancyGrid>, Failure> {
         let frames = self.way.drive.frames();
         if !frames.is_empty() {
             let poses: Vec<Pose> = frames.iter().map(|frame| frame.sweep.odom_from_robot).collect();
-            return Ok(fitted(|canvas| self.way.drive.grid(&poses, canvas)));
+            return Ok(fitted(resolution, |canvas| self.way.drive.grid(&poses, canvas)));
         }
         let open = LocalFrames::relax(&self.survey.travels(), Vec::new(), &|| false).map_err(broken)?;
-        Ok(fitted(|canvas| self.survey.grid(&open, canvas, &|| false)))
+        Ok(fitted(resolution, |canvas| self.survey.grid(&open, canvas, &|| false)))
     }
 }
 
@@ -164,11 +162,19 @@ pub(super) fn or_left_out<T>(what: &str, made: Result<Option<T>, impl std::fmt::
     })
 }
 
-/// A grid, in coarser cells where it would be too large.
-fn fitted(make: impl Fn(&Canvas) -> Result<Option<OccupancyGrid>, MergeError>) -> Option<OccupancyGrid> {
-    let canvas = Canvas { resolution: RESOLUTION, most_cells: MAX_SIDE * MAX_SIDE };
+/// A grid in cells of so many metres, or, where it would be too large, in coarser ones, which people are told.
+fn fitted(
+    resolution: f64,
+    make: impl Fn(&Canvas) -> Result<Option<OccupancyGrid>, MergeError>,
+) -> Option<OccupancyGrid> {
+    let canvas = Canvas { resolution, most_cells: MAX_SIDE * MAX_SIDE };
     let made = match make(&canvas) {
-        Err(MergeError::TooLarge { fitting, .. }) => make(&Canvas { resolution: fitting, ..canvas }),
+        Err(MergeError::TooLarge { width, height, fitting, .. }) => {
+            eprintln!(
+                "a grid of the patchwork has cells of {fitting} m: of {resolution} m it would be {width} x {height} cells"
+            );
+            make(&Canvas { resolution: fitting, ..canvas })
+        }
         made => made,
     };
     or_left_out("a grid of the patchwork", made)
@@ -176,4 +182,24 @@ fn fitted(make: impl Fn(&Canvas) -> Result<Option<OccupancyGrid>, MergeError>) -
 
 fn broken(error: impl std::fmt::Display) -> Failure {
     Failure::Broken(error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::{Cell, GridInfo};
+
+    #[test]
+    fn a_grid_too_large_is_made_in_cells_that_fit() {
+        let made = fitted(0.01, |canvas| match canvas.resolution {
+            0.03 => {
+                let info = GridInfo { resolution: 0.03, width: 1, height: 1, origin: Pose::IDENTITY };
+                Ok(Some(OccupancyGrid::new(info, vec![Cell::Free])?))
+            }
+            _ => Err(MergeError::TooLarge { width: 9000, height: 1, most_cells: 9, fitting: 0.03 }),
+        });
+        assert!(made.is_some_and(|grid| grid.info().resolution == 0.03));
+        let never = MergeError::TooLarge { width: 9000, height: 1, most_cells: 9, fitting: 0.03 };
+        assert!(fitted(0.01, |_| Err(never.clone())).is_none());
+    }
 }

@@ -3,6 +3,7 @@
 use crate::cli::failure::Failure;
 use crate::cli::growing::Grown;
 use crate::cli::input::{open, plain_extension};
+use crate::cli::values::{seconds, sigmas};
 use crate::export::{GrowthReport, RelaxationOutcome, RelaxationReport, RelaxationSeconds, poses_svg};
 use crate::patchwork::format::{InformationOrder, ReadGraph, read_graph, write_g2o, write_toro, write_tum};
 use crate::patchwork::{
@@ -105,18 +106,6 @@ enum OrderName {
     G2o,
     /// 11 12 22 33 13 23.
     Toro,
-}
-
-fn seconds(text: &str) -> Result<Duration, String> {
-    let seconds = text.parse().ok().and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
-    seconds.ok_or_else(|| "expected seconds, a number of 0 or more".into())
-}
-
-fn sigmas(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(width) if width.is_finite() && width > 0.0 => Ok(width),
-        _ => Err("expected standard deviations, a number above 0".into()),
-    }
 }
 
 impl Relax {

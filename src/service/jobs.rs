@@ -157,6 +157,17 @@ impl Jobs {
         Ok(told)
     }
 
+    /// The job for the same that has its turn, if there is one; who asks waits for it with the others.
+    pub(super) fn join_running(&self, order: &Order) -> Option<watch::Receiver<Job>> {
+        let mut kept = self.kept();
+        let same = kept.under_way(order)?;
+        let running = matches!(same.job.borrow().progress, Progress::Running);
+        running.then(|| {
+            same.clients += 1;
+            same.job.subscribe()
+        })
+    }
+
     /// The job of a number.
     pub(super) fn get(&self, id: u64) -> Option<Job> {
         self.kept().jobs.get(&id).map(|entry| entry.job.borrow().clone())

@@ -236,16 +236,9 @@ impl Problem {
         Problem::new(ProblemKind::OutOfTime, detail)
     }
 
-    /// The problem, which a job might not have, as it may take longer.
-    #[must_use]
-    pub fn offering_a_job(self) -> Problem {
-        match self.0.code == ProblemKind::OutOfTime.row().1 {
-            true => self.with(|document| {
-                document.detail +=
-                    "; with the header `Prefer: respond-async` it becomes a job, which may take longer";
-            }),
-            false => self,
-        }
+    /// Whether it is of this kind.
+    pub fn is(&self, kind: ProblemKind) -> bool {
+        self.0.code == kind.row().1
     }
 
     /// The document of the problem, met on the path of a request.

@@ -1,4 +1,4 @@
-//! Relaxation beside GTSAM, on the same graphs from the same start in the same run: `cargo xtask compare-relax [growth]`
+//! Relaxation beside GTSAM, on the same graphs from the same start in the same run: `cargo xtask compare-relax [PART]`
 //! sets GTSAM up and runs it.
 //!
 //! Seconds are those of one thread on the processor: of GTSAM's the least of some repetitions, of ours the mean. GTSAM's are the making of its
@@ -9,6 +9,8 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, missing_docs, reason = "a benchmark may fail")]
 
+#[path = "candidate_growth.rs"]
+mod candidate_growth;
 #[path = "clock.rs"]
 mod clock;
 #[path = "../../axioms/solver.rs"]
@@ -26,9 +28,7 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use topostar::geometry::Pose;
 use topostar::patchwork::format::read_graph;
-use topostar::patchwork::{
-    Edge, IncrementalGraph, PoseGraph, PoseId, RelaxOptions, Relaxation, Relaxer, Start, relax,
-};
+use topostar::patchwork::{Edge, PoseGraph, PoseId, RelaxOptions, Relaxation, Relaxer, Start, relax};
 
 /// The recorded graphs, with the best objective known.
 const GRAPHS: [(&str, f64); 7] = [
@@ -83,6 +83,9 @@ fn main() {
     }
     if wants("growing") && there {
         growing();
+    }
+    if wants("candidates") {
+        candidate_growth::print();
     }
     if wants("growth") {
         growth(gtsam.as_mut());
@@ -227,18 +230,7 @@ fn growing() {
     );
     for (file, best) in [GRAPHS[1], GRAPHS[2], GRAPHS[4]] {
         let graph = load(file);
-        let mut growing = IncrementalGraph::new(RelaxOptions::default());
-        let mut times = vec![];
-        for (id, edges) in graph.in_order() {
-            let begun = processor();
-            growing.add_pose(id, None).unwrap();
-            edges.iter().for_each(|edge| growing.add_edge(*edge).unwrap());
-            growing.relax().unwrap();
-            times.push(processor() - begun);
-        }
-        let poses: Vec<Pose> = growing.poses().iter().map(|pose| pose.unwrap()).collect();
-        let objective: f64 = growing.graph().strains(&poses).unwrap().iter().map(|s| s.chi_square).sum();
-        times.sort_by(f64::total_cmp);
+        let (times, objective) = candidate_growth::grown(&graph);
         let at = |share: f64| times[((times.len() - 1) as f64 * share) as usize] * 1e3;
         println!(
             "{file:<28} {:>8.3} {:>8.3} {:>8.3}  {objective:.6} {:.1e}",

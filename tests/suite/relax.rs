@@ -264,6 +264,42 @@ fn what_a_format_cannot_say_is_told() {
     }
 }
 
+/// The grids of a patchwork are as fine as was asked for.
+#[test]
+fn cells_of_a_patchwork_are_chosen() {
+    let trace = topostar(&["world", "office", "--resolution", "0.1"]).stdout;
+    let written = |resolution: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        let to = folder.path().to_str().unwrap();
+        let mapped = fed(&["map", "-", "-o", to, "--resolution", resolution], &trace);
+        assert_eq!(mapped.status.code(), Some(0), "{}", text(&mapped.stderr));
+        let yaml = std::fs::read_to_string(folder.path().join("patchwork.yaml")).unwrap();
+        let cell: f64 =
+            yaml.lines().find_map(|line| line.strip_prefix("resolution: ")).unwrap().parse().unwrap();
+        let sizes = ["patchwork.png", "odometry.png"].map(|name| {
+            let (width, height) = image::image_dimensions(folder.path().join(name)).unwrap();
+            [width, height].map(|side| f64::from(side) * cell)
+        });
+        (cell, sizes, text(&mapped.stderr))
+    };
+    let (coarse, fine) = (written("0.5"), written("0.08"));
+    assert_eq!((coarse.0, fine.0), (0.5, 0.08));
+    // 40 m between opposite corridors, and what is seen beyond them, whatever the cells.
+    for (sizes, other) in coarse.1.iter().flatten().zip(fine.1.iter().flatten()) {
+        assert!((45.0..90.0).contains(sizes) && (sizes - other).abs() < 1.2, "{coarse:?} {fine:?}");
+    }
+    assert!(!fine.2.contains("cells"), "{}", fine.2);
+    for wrong in ["0", "0.0001", "fine", "NaN", "1e9"] {
+        let refused = fed(&["map", "-", "-o", "there", "--resolution", wrong], &trace);
+        let said = text(&refused.stderr);
+        assert!(
+            refused.status.code() == Some(2) && said.contains("expected metres a cell"),
+            "{wrong}: {said}"
+        );
+    }
+    assert_eq!(fed(&["map", "-", "--resolution", "0.1"], &trace).status.code(), Some(2));
+}
+
 /// What `map -o` writes of a trace of grids: the patchwork as a picture, as odometry alone has it, and as a graph that this
 /// solver finds nothing to do in.
 #[test]
@@ -273,6 +309,7 @@ fn a_trace_of_grids_is_laid_out() {
     let trace = topostar(&["world", "office", "--resolution", "0.1"]).stdout;
     let mapped = fed(&["map", "-", "--json", "-o", to], &trace);
     assert_eq!(mapped.status.code(), Some(0), "{}", text(&mapped.stderr));
+    assert!(!text(&mapped.stderr).contains("cells"), "{}", text(&mapped.stderr));
     let strain = &json(&mapped)["strain"];
     let written = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
     let size = |name: &str| {

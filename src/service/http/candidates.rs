@@ -135,7 +135,7 @@ pub(super) async fn get_preferred(
 /// Read the map of a candidate as a graph.
 ///
 /// Where travels were measured, its places and visits have poses, relaxed so that what was measured is strained least, and
-/// it is told what strains them. That may be left out.
+/// it is told what strains them. That may be left out. Where it takes long, or a client would rather not wait, a job is made of it.
 #[utoipa::path(
     get, path = "/v1/maps/{map}/candidates/{candidate}/graph", tag = "maps",
     operation_id = "get_graph",
@@ -144,24 +144,24 @@ pub(super) async fn get_preferred(
         ("candidate" = String, Path, description = "Position of the candidate, or `preferred`"),
         GraphQuery,
         ("Prefer" = Option<String>, Header,
-            description = "`respond-async`, with `wait=SECONDS` or without: make poses as a job"),
+            description = "`respond-async`, with `wait=SECONDS` or without: make poses as a job at once, or after so long"),
         ("If-None-Match" = Option<String>, Header, description = "ETag of the answer the client has"),
     ),
     responses(
         (status = 200, description = "Places, paths, path segments and frontier", body = MapGraph,
             headers(("ETag" = String, description = "Changes with the answer"))),
-        (status = 202, description = "A job makes it, unless someone cancels it", body = JobDocument,
+        (status = 202, description = "It takes long, or is not to be waited for: a job makes it, unless someone cancels it", body = JobDocument,
             headers(
                 ("Location" = String, description = "The address of the job"),
                 ("Retry-After" = u64, description = "Seconds after which to look at it"),
-                ("Preference-Applied" = String, description = "The preference that made it a job"),
+                ("Preference-Applied" = String, description = "The preference that made it a job, if one did"),
             )),
         (status = 304, description = "The answer has not changed"),
         (status = 400, description = "The query is wrong"),
         (status = 404, description = "No such map or candidate, no observation, or nothing explains the events"),
         (status = 422, description = "The name is not one"),
-        (status = 503, description = "The poses take too long, or there are too many jobs",
-            headers(("Retry-After" = u64, description = "Too many jobs: seconds after which to ask again"))),
+        (status = 503, description = "It is to be a job, of which there are too many",
+            headers(("Retry-After" = u64, description = "Seconds after which to ask again"))),
     )
 )]
 pub(super) async fn get_graph(

@@ -28,7 +28,8 @@ pub(super) struct Picture(Vec<u8>);
 ///
 /// The grids of all observations that hang together with the first, laid over each other where relaxation puts them. JSON is
 /// in the form in which a trace has an LPM; pictures are in the greys of `map_server`, and JSON of the same resolution says
-/// where they lie. Whoever does not wait for the answer ends the work, and whoever would rather not wait has a job made of it.
+/// where they lie. Whoever does not wait for the answer ends the work. Where it takes long, or a client would rather not wait, a job is
+/// made of it.
 #[utoipa::path(
     get, path = "/v1/maps/{map}/candidates/{candidate}/grid", tag = "maps", operation_id = "get_grid",
     params(
@@ -37,7 +38,7 @@ pub(super) struct Picture(Vec<u8>);
         GridQuery,
         ("Accept" = Option<String>, Header, description = "The form of the answer; JSON unless it says otherwise"),
         ("Prefer" = Option<String>, Header,
-            description = "`respond-async`, with `wait=SECONDS` or without: make it as a job"),
+            description = "`respond-async`, with `wait=SECONDS` or without: make it as a job at once, or after so long"),
         ("If-None-Match" = Option<String>, Header, description = "ETag of the answer the client has"),
     ),
     responses(
@@ -48,11 +49,11 @@ pub(super) struct Picture(Vec<u8>);
                 (Picture = "image/x-portable-graymap"),
             ),
             headers(("ETag" = String, description = "Changes with the answer"))),
-        (status = 202, description = "A job makes it, unless someone cancels it", body = JobDocument,
+        (status = 202, description = "It takes long, or is not to be waited for: a job makes it, unless someone cancels it", body = JobDocument,
             headers(
                 ("Location" = String, description = "The address of the job"),
                 ("Retry-After" = u64, description = "Seconds after which to look at it"),
-                ("Preference-Applied" = String, description = "The preference that made it a job"),
+                ("Preference-Applied" = String, description = "The preference that made it a job, if one did"),
             )),
         (status = 304, description = "The answer has not changed"),
         (status = 400, description = "The query is wrong"),
@@ -60,8 +61,8 @@ pub(super) struct Picture(Vec<u8>);
                                       have not what a patchwork is made of"),
         (status = 406, description = "The header Accept names no form that there is"),
         (status = 422, description = "The name is not one, or the grid would be too large"),
-        (status = 503, description = "It takes too long, or there are too many jobs",
-            headers(("Retry-After" = u64, description = "Too many jobs: seconds after which to ask again"))),
+        (status = 503, description = "It is to be a job, of which there are too many",
+            headers(("Retry-After" = u64, description = "Seconds after which to ask again"))),
     )
 )]
 pub(super) async fn get_grid(

@@ -1,4 +1,5 @@
-//! Answers that follow from a relaxed candidate: at once where they are kept, else when they are made, or as a job.
+//! Answers that follow from a relaxed candidate: at once where they are kept, else when they are made, or as a job where that
+//! takes long or nobody wants to wait.
 
 use crate::service::http::answer::{is_known, not_modified, ranked_for};
 use crate::service::http::extract::CandidateName;
@@ -6,7 +7,7 @@ use crate::service::http::jobs::{RETRY_AFTER_FULL, answer};
 use crate::service::http::prefer::RespondAsync;
 use crate::service::http::served::Served;
 use crate::service::jobs::{JobKind, Order};
-use crate::service::problem::Problem;
+use crate::service::problem::{Problem, ProblemKind};
 use crate::service::representation::Representation;
 use crate::service::tags::Question;
 use crate::service::view::Ranked;
@@ -31,8 +32,8 @@ pub(super) struct Asked {
     pub(super) of: String,
 }
 
-/// Relaxes a candidate and answers what follows from that, unless the client has the answer or it is kept. A client that would
-/// rather not wait is given a job.
+/// Relaxes a candidate and answers what follows from that, unless the client has the answer or it is kept. Where a client would
+/// rather not wait, or the work is larger than that, a job is made of it.
 pub(super) async fn lay_out<M>(
     served: &Served,
     asked: Asked,
@@ -40,23 +41,38 @@ pub(super) async fn lay_out<M>(
     make: M,
 ) -> Result<Response, Problem>
 where
-    M: FnOnce(&View, &Ranked, &dyn Fn() -> bool) -> Result<Representation, Problem> + Send + 'static,
+    M: FnOnce(&View, &Ranked, &dyn Fn() -> bool) -> Result<Representation, Problem> + Clone + Send + 'static,
 {
-    match RespondAsync::of(request) {
-        None => at_once(&served.maps, &asked, request, make).await.map_err(Problem::offering_a_job),
-        Some(preference) => as_job(served, asked, request, preference, make).await,
+    let preference = RespondAsync::of(request);
+    if preference.is_none()
+        && let Some(answer) = soon(served, &asked, request, make.clone()).await?
+    {
+        return Ok(answer);
     }
+    as_job(served, asked, request, preference, make).await
 }
 
-async fn at_once<M>(maps: &Maps, asked: &Asked, request: &HeaderMap, make: M) -> Result<Response, Problem>
+/// The answer, if it is there soon; of a job that has its turn, how far it is then, rather than doing the same beside it.
+async fn soon<M>(
+    Served { maps, jobs }: &Served,
+    asked: &Asked,
+    request: &HeaderMap,
+    make: M,
+) -> Result<Option<Response>, Problem>
 where
     M: FnOnce(&View, &Ranked, &dyn Fn() -> bool) -> Result<Representation, Problem> + Send + 'static,
 {
     let longest = maps.limits().patchwork_time;
     let ranked = ranked_for(maps, &asked.view, &[asked.candidate], longest).await?;
-    match asked.remembered(&ranked, request) {
-        Some(answer) => Ok(answer),
-        None => Ok(asked.made(maps, ranked, longest, make).await?.answer(request)),
+    if let Some(answer) = asked.remembered(&ranked, request) {
+        return Ok(Some(answer));
+    }
+    if let Some(told) = jobs.join_running(&asked.order()) {
+        return answer(&jobs.ended_within(told, longest).await, request).map(Some);
+    }
+    match asked.made(maps, ranked, longest, make).await {
+        Err(problem) if problem.is(ProblemKind::OutOfTime) => Ok(None),
+        made => Ok(Some(made?.answer(request))),
     }
 }
 
@@ -64,7 +80,7 @@ async fn as_job<M>(
     served: &Served,
     asked: Asked,
     request: &HeaderMap,
-    preference: RespondAsync,
+    preference: Option<RespondAsync>,
     make: M,
 ) -> Result<Response, Problem>
 where
@@ -76,8 +92,7 @@ where
     }
     let (view, candidate) = (Arc::clone(&asked.view), asked.candidate);
     maps.read(move || candidate.position(&view, &view.unranked())).await??;
-    let found = Arc::downgrade(&asked.view.report);
-    let order = Order { kind: asked.kind, of: asked.of.clone(), next_seq: asked.view.next_seq, found };
+    let order = asked.order();
     let (maps, longest) = (maps.clone(), maps.limits().job_time);
     let work = async move {
         let ranked = ranked_for(&maps, &asked.view, &[asked.candidate], longest).await?;
@@ -87,7 +102,7 @@ where
         }
     };
     let job = match jobs.begin(order, work) {
-        Ok(told) => match preference.patience() {
+        Ok(told) => match preference.map_or(Duration::ZERO, RespondAsync::patience) {
             Duration::ZERO => told.borrow().clone(),
             patience => jobs.ended_within(told, patience).await,
         },
@@ -95,6 +110,7 @@ where
     };
     let mut response = answer(&job, request)?;
     if response.status() == StatusCode::ACCEPTED
+        && let Some(preference) = preference
         && let Ok(applied) = HeaderValue::from_str(&preference.applied())
     {
         response.headers_mut().insert(PREFERENCE_APPLIED, applied);
@@ -140,6 +156,11 @@ impl Asked {
             true => self.view.ranked.get().cloned(),
             false => Some(self.view.unranked()),
         }
+    }
+
+    fn order(&self) -> Order {
+        let found = Arc::downgrade(&self.view.report);
+        Order { kind: self.kind, of: self.of.clone(), next_seq: self.view.next_seq, found }
     }
 
     fn question(&self, ranked: &Ranked) -> Question {

@@ -350,19 +350,50 @@ async fn a_job_that_fails_says_why() {
     preferring(&client, GRID, "respond-async, wait=100").await.problem(422, "grid-too-large");
 }
 
-/// What takes too long while a client waits may be done as a job.
+/// What takes long becomes a job though nobody asked for one; and one that takes too long fails.
 #[tokio::test]
-async fn a_job_may_take_longer() {
-    let detail = |problem: &Value| problem["detail"].as_str().unwrap().to_owned();
+async fn what_is_large_becomes_a_job() {
     let hasty = Limits { patchwork_time: Duration::ZERO, ..Limits::default() };
     let (client, _) = with_maps(hasty, "").await;
-    for path in [GRID, GRAPH] {
-        let problem = client.get(path).await.problem(503, "out-of-time");
-        assert!(detail(&problem).contains("`Prefer: respond-async`"), "{problem}");
-        assert_eq!(ended(&client, &begun(&client, path).await).await["status"], "done");
+    let patient = with_office(Limits::default(), "").await;
+    for (made, path) in [GRID, GRAPH].into_iter().enumerate() {
+        let accepted = client.get(path).await;
+        assert_eq!(accepted.status, 202, "{}", accepted.json());
+        assert!(!accepted.headers.contains_key("preference-applied"));
+        let job = accepted.headers[header::LOCATION].to_str().unwrap();
+        assert_eq!(
+            (job, &accepted.headers[header::RETRY_AFTER]),
+            (&*last(&client).await, &"1".parse().unwrap())
+        );
+        let done = ended(&client, job).await;
+        let expected = patient.get(path).await;
+        // By now it is there.
+        for path in [done["result"].as_str().unwrap(), path] {
+            let answer = client.get(path).await;
+            assert!(answer.status == 200 && answer.body == expected.body, "{path}: {}", answer.status);
+        }
+        assert_eq!(client.get("/v1/jobs").await.json()["jobs"].as_array().unwrap().len(), made + 1);
     }
+    assert_eq!(client.get(&format!("{GRAPH}?poses=false")).await.status, 200);
     let (client, _) = with_maps(Limits { job_time: Duration::ZERO, ..hasty }, "").await;
-    let failed = ended(&client, &begun(&client, GRAPH).await).await;
-    assert_eq!(failed["problem"]["code"], "out-of-time");
-    assert!(!detail(&failed["problem"]).contains("Prefer"), "{failed}");
+    let job = client.get(GRAPH).await.headers[header::LOCATION].to_str().unwrap().to_owned();
+    assert_eq!(ended(&client, &job).await["problem"]["code"], "out-of-time");
+    client.get(&format!("{job}/result")).await.problem(503, "out-of-time");
+    let (client, _) = with_maps(Limits { jobs: 0, ..hasty }, "").await;
+    let refused = client.get(GRAPH).await;
+    refused.problem(503, "too-many-jobs");
+    assert_eq!(refused.headers[header::RETRY_AFTER], "10");
+}
+
+/// Who asks for what a job makes that has its turn waits for that job, and learns its number when it takes long.
+#[tokio::test(flavor = "multi_thread")]
+async fn what_a_job_makes_is_not_made_beside_it() {
+    let hasty = Limits { patchwork_time: Duration::from_millis(200), ..large() };
+    let (client, maps) = with_maps(hasty, "").await;
+    let job = begun(&client, &large_grid(0)).await;
+    running(&maps, 1).await;
+    let told = client.get(&large_grid(0)).await;
+    assert_eq!((told.status.as_u16(), &told.headers[header::LOCATION]), (202, &job.parse().unwrap()));
+    assert_eq!((told.json()["status"].as_str(), running(&maps, 1).await.ended), (Some("running"), 0));
+    cancel(&client, &job).await;
 }

@@ -294,15 +294,6 @@ async fn a_grid_too_large_says_what_would_fit() {
     assert!((12_000..=20_000).contains(&cells), "{fitting}: {cells}");
 }
 
-#[tokio::test]
-async fn what_takes_too_long_is_ended() {
-    let client = with_office(Limits { patchwork_time: Duration::ZERO, ..Limits::default() }, "").await;
-    for path in [GRID, GRAPH] {
-        client.get(path).await.problem(503, "out-of-time");
-    }
-    assert_eq!(client.get(&format!("{GRAPH}?poses=false")).await.status, 200);
-}
-
 /// While every thread is taken, a client learns that what it has is still what it would get; also after an event that
 /// changes nothing, and no longer after one that does.
 #[tokio::test]

@@ -58,9 +58,10 @@ usage: cargo xtask <task>
   compare-perception
            distance field, skeleton and graph beside OpenCV, scikit-image and sknw: whether the answers are the same, then
            how long each takes
-  compare-relax [graphs] [truth] [growing] [growth]
+  compare-relax [graphs] [truth] [growing] [candidates] [growth]
            relaxation beside GTSAM: objectives and times on the recorded graphs of ../shared/data, the distance to the
-           ground truth, the cost of each pose as a graph grows, and of graphs of 100 to 100,000 poses
+           ground truth, the cost of each pose as a graph or a candidate map grows, and of graphs of 100 to 100,000
+           poses
   evaluate [WALKS [SEED]]
            random walks with odometry that drifts: how often an axiom refutes the true map, how many candidates are
            left, and how often the true map is preferred
