@@ -1,8 +1,8 @@
 //! Input files: traces and recorded logs, plain or compressed, or standard input.
 
 use crate::cli::failure::Failure;
-use crate::cli::gzip::GzipMembers;
 use crate::cli::log::{LogArgs, LogScans, is_log, read_log};
+use crate::cli::members::{BzipMembers, GzipMembers};
 use crate::geometry::Pose;
 use crate::patchwork::assembly::Stop;
 use crate::patchwork::drive::{Drive, DriveRecorder};
@@ -13,7 +13,6 @@ use crate::trace::{Event, read_lines};
 use crate::visit::relations::{Relation, Track};
 use crate::visit::truth::Timetable;
 use crate::visit::{AnnotatedVisits, Stage, Visit, VisitDetector, VisitParameters};
-use bzip2::read::MultiBzDecoder;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
@@ -238,7 +237,7 @@ pub(super) fn open(path: &Path) -> Result<Box<dyn BufRead>, Failure> {
 /// The content of a file, decompressed by the ending of its name.
 pub(super) fn decompressed(path: &Path, file: impl Read + Send + 'static) -> Box<dyn BufRead + Send> {
     match extension(path).as_str() {
-        "bz2" => Box::new(BufReader::new(MultiBzDecoder::new(file))),
+        "bz2" => Box::new(BufReader::new(BzipMembers::new(BufReader::new(file)))),
         "gz" => Box::new(BufReader::new(GzipMembers::new(BufReader::new(file)))),
         _ => Box::new(BufReader::new(file)),
     }
