@@ -93,7 +93,8 @@ pub(super) struct Map {
     /// (odometry.png), the graph of the visits (patchwork.g2o), and of a log the way of the robot (trajectory.tum).
     #[arg(short, long, value_name = "DIR")]
     pub(super) output: Option<PathBuf>,
-    /// Side of a cell of the patchwork's grids, metres; where they would be too large, larger cells are taken and told.
+    /// Side of a cell of the patchwork's grids, metres; where they would be too large, larger cells are taken, and it is said
+    /// so.
     #[arg(long, value_name = "METRES", requires = "output", default_value_t = 0.05, value_parser = resolution)]
     resolution: f64,
 }

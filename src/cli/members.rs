@@ -8,8 +8,8 @@ use std::marker::PhantomData;
 
 /// One compressed stream of a file that may hold several.
 pub(super) trait Member<R>: Read {
-    /// What every one begins with.
-    const MAGIC: &'static [u8];
+    /// Whether one may begin with these bytes, of which there may be too few to say.
+    fn begins(ahead: &[u8]) -> bool;
 
     /// The stream that begins where the input is.
     fn begin(input: R) -> Self;
@@ -32,7 +32,9 @@ pub(super) type GzipMembers<R> = Members<GzDecoder<R>, R>;
 pub(super) type BzipMembers<R> = Members<BzDecoder<R>, R>;
 
 impl<R: BufRead> Member<R> for GzDecoder<R> {
-    const MAGIC: &'static [u8] = &[0x1f, 0x8b];
+    fn begins(ahead: &[u8]) -> bool {
+        ahead.iter().zip([0x1f, 0x8b]).all(|(&found, expected)| found == expected)
+    }
 
     fn begin(input: R) -> Self {
         GzDecoder::new(input)
@@ -44,7 +46,10 @@ impl<R: BufRead> Member<R> for GzDecoder<R> {
 }
 
 impl<R: BufRead> Member<R> for BzDecoder<R> {
-    const MAGIC: &'static [u8] = b"BZh";
+    fn begins(ahead: &[u8]) -> bool {
+        let level = ahead.get(3).is_none_or(|level| (b'1'..=b'9').contains(level));
+        level && ahead.iter().zip(b"BZh").all(|(found, expected)| found == expected)
+    }
 
     fn begin(input: R) -> Self {
         BzDecoder::new(input)
@@ -78,7 +83,7 @@ impl<M: Member<R>, R: BufRead> Read for Members<M, R> {
             };
             if ahead.is_empty() {
                 break;
-            } else if ahead.iter().zip(M::MAGIC).any(|(found, expected)| found != expected) {
+            } else if !M::begins(ahead) {
                 return Err(io::Error::other(TrailingBytes));
             }
             self.member = Some(M::begin(rest));
@@ -134,8 +139,14 @@ mod tests {
     #[test]
     fn what_is_behind_the_last_member_is_told_from_an_early_end() {
         let [gzipped, bzipped] = [gzip, bzip].map(|member| [member("one "), member("two")].concat());
-        for trail in [&b"\0"[..], b"\0\0\0\0\0\0\0\0", b"garbage of more than ten bytes", b"\x1f\0", b"BZ\0"]
-        {
+        for trail in [
+            &b"\0"[..],
+            b"\0\0\0\0\0\0\0\0",
+            b"garbage of more than ten bytes",
+            b"\x1f\0",
+            b"BZ\0",
+            b"BZhjunk",
+        ] {
             let [gzipped, bzipped] = [&gzipped, &bzipped].map(|whole| [whole, trail].concat());
             for (text, end) in [read::<Gz<'_>>(&gzipped, 4096), read::<Bz<'_>>(&bzipped, 4096)] {
                 assert_eq!(text, "one two");

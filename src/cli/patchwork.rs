@@ -77,8 +77,10 @@ impl Patchwork<'_> {
     /// The files of the patchwork: the grid as a `map_server` pair, a picture of the same by odometry alone, the graph of the
     /// visits, and the way of a log. Cells are of so many metres, if that is not too many cells.
     pub(super) fn files(&self, resolution: f64) -> Result<Vec<Named>, Failure> {
-        let mut files = Vec::new();
+        let (mut files, mut resolution) = (Vec::new(), resolution);
         if let Some(grid) = self.grid(resolution) {
+            // What is beside it is to be compared with it.
+            resolution = grid.info().resolution;
             files.push(("patchwork.png".to_owned(), map_png(&grid).map_err(broken)?));
             files.push(("patchwork.yaml".to_owned(), map_yaml(&grid, "patchwork.png").into_bytes()));
         }
@@ -96,7 +98,7 @@ impl Patchwork<'_> {
 
     /// The scans of a log along its way, or else the LPMs of a trace.
     fn grid(&self, resolution: f64) -> Option<OccupancyGrid> {
-        fitted(resolution, |canvas| match self.driven.is_empty() {
+        fitted("patchwork.png", resolution, |canvas| match self.driven.is_empty() {
             true => self.survey.grid(&self.frames, canvas, &|| false),
             false => self.way.drive.grid(&self.driven, canvas),
         })
@@ -107,10 +109,10 @@ impl Patchwork<'_> {
         let frames = self.way.drive.frames();
         if !frames.is_empty() {
             let poses: Vec<Pose> = frames.iter().map(|frame| frame.sweep.odom_from_robot).collect();
-            return Ok(fitted(resolution, |canvas| self.way.drive.grid(&poses, canvas)));
+            return Ok(fitted("odometry.png", resolution, |canvas| self.way.drive.grid(&poses, canvas)));
         }
         let open = LocalFrames::relax(&self.survey.travels(), Vec::new(), &|| false).map_err(broken)?;
-        Ok(fitted(resolution, |canvas| self.survey.grid(&open, canvas, &|| false)))
+        Ok(fitted("odometry.png", resolution, |canvas| self.survey.grid(&open, canvas, &|| false)))
     }
 }
 
@@ -164,6 +166,7 @@ pub(super) fn or_left_out<T>(what: &str, made: Result<Option<T>, impl std::fmt::
 
 /// A grid in cells of so many metres, or, where it would be too large, in coarser ones, which people are told.
 fn fitted(
+    name: &str,
     resolution: f64,
     make: impl Fn(&Canvas) -> Result<Option<OccupancyGrid>, MergeError>,
 ) -> Option<OccupancyGrid> {
@@ -171,13 +174,13 @@ fn fitted(
     let made = match make(&canvas) {
         Err(MergeError::TooLarge { width, height, fitting, .. }) => {
             eprintln!(
-                "a grid of the patchwork has cells of {fitting} m: of {resolution} m it would be {width} x {height} cells"
+                "{name} has cells of {fitting} m, as of {resolution} m it would be {width} x {height} of them"
             );
             make(&Canvas { resolution: fitting, ..canvas })
         }
         made => made,
     };
-    or_left_out("a grid of the patchwork", made)
+    or_left_out(name, made)
 }
 
 fn broken(error: impl std::fmt::Display) -> Failure {
@@ -191,7 +194,7 @@ mod tests {
 
     #[test]
     fn a_grid_too_large_is_made_in_cells_that_fit() {
-        let made = fitted(0.01, |canvas| match canvas.resolution {
+        let made = fitted("grid.png", 0.01, |canvas| match canvas.resolution {
             0.03 => {
                 let info = GridInfo { resolution: 0.03, width: 1, height: 1, origin: Pose::IDENTITY };
                 Ok(Some(OccupancyGrid::new(info, vec![Cell::Free])?))
@@ -200,6 +203,6 @@ mod tests {
         });
         assert!(made.is_some_and(|grid| grid.info().resolution == 0.03));
         let never = MergeError::TooLarge { width: 9000, height: 1, most_cells: 9, fitting: 0.03 };
-        assert!(fitted(0.01, |_| Err(never.clone())).is_none());
+        assert!(fitted("grid.png", 0.01, |_| Err(never.clone())).is_none());
     }
 }

@@ -6,7 +6,7 @@ use std::time::Duration;
 /// Seconds.
 pub(super) fn seconds(text: &str) -> Result<Duration, String> {
     let seconds = text.parse().ok().and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
-    seconds.ok_or_else(|| "expected seconds, a number of 0 or more".into())
+    seconds.ok_or_else(|| "expected seconds, a number from 0 to 1e19".into())
 }
 
 /// Bytes, or a number of KiB, MiB or GiB.

@@ -47,6 +47,8 @@ pub(super) struct Order {
     pub(super) next_seq: u64,
     /// What the map had found, all that the answer at an address depends on.
     pub(super) found: Weak<Report>,
+    /// Whether it is known not to be made soon.
+    pub(super) large: bool,
 }
 
 /// What kind of thing a job makes.
@@ -89,6 +91,8 @@ struct Entry {
     ended: Option<Instant>,
     /// How many asked for it, without those who gave up waiting.
     clients: usize,
+    /// Whether it is known not to be made soon.
+    large: bool,
 }
 
 impl Order {
@@ -133,6 +137,7 @@ impl Jobs {
         let mut kept = self.kept();
         if let Some(same) = kept.under_way(&order) {
             same.clients += 1;
+            same.large |= order.large;
             return Ok(same.job.subscribe());
         }
         let most = kept.limits.jobs;
@@ -143,7 +148,7 @@ impl Jobs {
             }
         }
         kept.last += 1;
-        let id = kept.last;
+        let (id, large) = (kept.last, order.large);
         let (job, told) = watch::channel(Job {
             id,
             order: Arc::new(order),
@@ -152,17 +157,18 @@ impl Jobs {
             ended: None,
         });
         let task = tokio::spawn(self.clone().run(told.clone(), work)).abort_handle();
-        kept.jobs.insert(id, Entry { job, task, ended: None, clients: 1 });
+        kept.jobs.insert(id, Entry { job, task, ended: None, clients: 1, large });
         kept.give_turns();
         Ok(told)
     }
 
-    /// The job for the same that has its turn, if there is one; who asks waits for it with the others.
-    pub(super) fn join_running(&self, order: &Order) -> Option<watch::Receiver<Job>> {
+    /// The job under way for the same, which one more then waits for; none where making it again may be faster, as it has no
+    /// turn yet and may be small.
+    pub(super) fn join(&self, order: &Order) -> Option<watch::Receiver<Job>> {
         let mut kept = self.kept();
         let same = kept.under_way(order)?;
         let running = matches!(same.job.borrow().progress, Progress::Running);
-        running.then(|| {
+        (running || same.large).then(|| {
             same.clients += 1;
             same.job.subscribe()
         })
@@ -315,7 +321,7 @@ mod tests {
     const NOT_LONG: Duration = Duration::from_millis(20);
 
     fn order(of: &str) -> Order {
-        Order { kind: JobKind::Grid, of: of.into(), next_seq: 0, found: Weak::new() }
+        Order { kind: JobKind::Grid, of: of.into(), next_seq: 0, found: Weak::new(), large: false }
     }
 
     fn made(bytes: usize) -> Result<Arc<Representation>, Problem> {
@@ -392,6 +398,26 @@ mod tests {
         assert!(jobs.cancel(first) && jobs.cancel(first) && !jobs.cancel(7));
         assert!(matches!(jobs.ended_within(second, SOON).await.progress, Progress::Failed(_)));
         assert!(matches!(progress(&jobs, first), Progress::Cancelled));
+    }
+
+    /// Who joins a job and goes away ends it for nobody; one that waits for its turn is joined only if it is large.
+    #[tokio::test]
+    async fn a_job_is_joined_where_that_is_worth_it() {
+        let jobs = Jobs::new(Limits::default(), 1);
+        let running = endless(&jobs, "a").unwrap();
+        let queued = endless(&jobs, "b").unwrap();
+        assert!(jobs.join(&order("b")).is_none() && jobs.join(&order("c")).is_none());
+        let large = jobs.begin(Order { large: true, ..order("b") }, pending()).unwrap();
+        assert_eq!(large.borrow().id, queued);
+        for (of, id) in [("a", running), ("b", queued)] {
+            let joined = jobs.join(&order(of)).unwrap();
+            assert_eq!(joined.borrow().id, id);
+            let abandoned = timeout(NOT_LONG, jobs.ended_within(joined, SOON)).await;
+            assert!(abandoned.is_err() && !progress(&jobs, id).is_end());
+        }
+        let joined = jobs.join(&order("a")).unwrap();
+        assert!(jobs.cancel(running) && jobs.join(&order("a")).is_none());
+        assert!(matches!(jobs.ended_within(joined, SOON).await.progress, Progress::Cancelled));
     }
 
     #[tokio::test(flavor = "multi_thread")]

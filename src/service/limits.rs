@@ -24,9 +24,10 @@ pub struct Limits {
     pub settling: Duration,
     /// Cells of a grid that is answered with.
     pub cells_per_answer: usize,
-    /// How long the relaxation of a candidate and the making of its grid may take.
+    /// How long one waits for the relaxation of a candidate and the making of its grid, before a job is made of it; and how
+    /// long ties may be relaxed to be put in order.
     pub patchwork_time: Duration,
-    /// How long either of these may take as a job.
+    /// How long any of these may take as a job.
     pub job_time: Duration,
     /// Jobs in all, those that have ended and are kept among them.
     pub jobs: usize,

@@ -3,6 +3,7 @@
 use crate::cli::{fed, json, text, topostar};
 use flate2::Compression;
 use flate2::write::GzEncoder;
+use serde_json::Value;
 use std::fmt::Write as _;
 use std::fs;
 use std::io::Write as _;
@@ -288,7 +289,26 @@ fn cells_of_a_patchwork_are_chosen() {
     for (sizes, other) in coarse.1.iter().flatten().zip(fine.1.iter().flatten()) {
         assert!((45.0..90.0).contains(sizes) && (sizes - other).abs() < 1.2, "{coarse:?} {fine:?}");
     }
-    assert!(!fine.2.contains("cells"), "{}", fine.2);
+    assert!(!fine.2.contains("has cells"), "{}", fine.2);
+    // The first two places, and ten kilometres between them.
+    let events = text(&trace);
+    let far = events.lines().take(3).map(|line| {
+        let mut event: Value = serde_json::from_str(line).unwrap();
+        if event["kind"] == "travel" {
+            event["odometry"]["x"] = 10_000.0.into();
+        }
+        event.to_string() + "\n"
+    });
+    let folder = tempfile::tempdir().unwrap();
+    let to = folder.path().to_str().unwrap();
+    let mapped = fed(&["map", "-", "-o", to], far.collect::<String>().as_bytes());
+    let said = text(&mapped.stderr);
+    assert_eq!(mapped.status.code(), Some(0), "{said}");
+    assert!(
+        said.contains("patchwork.png has cells of 1.") && said.contains("as of 0.05 m it would be 19"),
+        "{said}"
+    );
+    assert!(!said.contains("odometry.png has"), "{said}");
     for wrong in ["0", "0.0001", "fine", "NaN", "1e9"] {
         let refused = fed(&["map", "-", "-o", "there", "--resolution", wrong], &trace);
         let said = text(&refused.stderr);
@@ -309,7 +329,7 @@ fn a_trace_of_grids_is_laid_out() {
     let trace = topostar(&["world", "office", "--resolution", "0.1"]).stdout;
     let mapped = fed(&["map", "-", "--json", "-o", to], &trace);
     assert_eq!(mapped.status.code(), Some(0), "{}", text(&mapped.stderr));
-    assert!(!text(&mapped.stderr).contains("cells"), "{}", text(&mapped.stderr));
+    assert!(!text(&mapped.stderr).contains("has cells"), "{}", text(&mapped.stderr));
     let strain = &json(&mapped)["strain"];
     let written = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
     let size = |name: &str| {

@@ -135,7 +135,8 @@ pub(super) async fn get_preferred(
 /// Read the map of a candidate as a graph.
 ///
 /// Where travels were measured, its places and visits have poses, relaxed so that what was measured is strained least, and
-/// it is told what strains them. That may be left out. Where it takes long, or a client would rather not wait, a job is made of it.
+/// it is told what strains them. That may be left out. Where it takes long, or a client would rather not wait, a job is made
+/// of it.
 #[utoipa::path(
     get, path = "/v1/maps/{map}/candidates/{candidate}/graph", tag = "maps",
     operation_id = "get_graph",
@@ -150,18 +151,19 @@ pub(super) async fn get_preferred(
     responses(
         (status = 200, description = "Places, paths, path segments and frontier", body = MapGraph,
             headers(("ETag" = String, description = "Changes with the answer"))),
-        (status = 202, description = "It takes long, or is not to be waited for: a job makes it, unless someone cancels it", body = JobDocument,
+        (status = 202, body = JobDocument,
+            description = "It takes long, or is not to be waited for: a job makes it, unless someone cancels it",
             headers(
                 ("Location" = String, description = "The address of the job"),
-                ("Retry-After" = u64, description = "Seconds after which to look at it"),
+                ("Retry-After" = u64, description = "Seconds after which to look at it; not if it was cancelled"),
                 ("Preference-Applied" = String, description = "The preference that made it a job, if one did"),
             )),
         (status = 304, description = "The answer has not changed"),
         (status = 400, description = "The query is wrong"),
         (status = 404, description = "No such map or candidate, no observation, or nothing explains the events"),
         (status = 422, description = "The name is not one"),
-        (status = 503, description = "It is to be a job, of which there are too many",
-            headers(("Retry-After" = u64, description = "Seconds after which to ask again"))),
+        (status = 503, description = "It took too long even as a job, or there are too many jobs",
+            headers(("Retry-After" = u64, description = "Too many jobs: seconds after which to ask again"))),
     )
 )]
 pub(super) async fn get_graph(

@@ -49,10 +49,11 @@ pub(super) struct Picture(Vec<u8>);
                 (Picture = "image/x-portable-graymap"),
             ),
             headers(("ETag" = String, description = "Changes with the answer"))),
-        (status = 202, description = "It takes long, or is not to be waited for: a job makes it, unless someone cancels it", body = JobDocument,
+        (status = 202, body = JobDocument,
+            description = "It takes long, or is not to be waited for: a job makes it, unless someone cancels it",
             headers(
                 ("Location" = String, description = "The address of the job"),
-                ("Retry-After" = u64, description = "Seconds after which to look at it"),
+                ("Retry-After" = u64, description = "Seconds after which to look at it; not if it was cancelled"),
                 ("Preference-Applied" = String, description = "The preference that made it a job, if one did"),
             )),
         (status = 304, description = "The answer has not changed"),
@@ -61,8 +62,8 @@ pub(super) struct Picture(Vec<u8>);
                                       have not what a patchwork is made of"),
         (status = 406, description = "The header Accept names no form that there is"),
         (status = 422, description = "The name is not one, or the grid would be too large"),
-        (status = 503, description = "It is to be a job, of which there are too many",
-            headers(("Retry-After" = u64, description = "Seconds after which to ask again"))),
+        (status = 503, description = "It took too long even as a job, or there are too many jobs",
+            headers(("Retry-After" = u64, description = "Too many jobs: seconds after which to ask again"))),
     )
 )]
 pub(super) async fn get_grid(

@@ -6,7 +6,7 @@ use crate::service::http::extract::CandidateName;
 use crate::service::http::jobs::{RETRY_AFTER_FULL, answer};
 use crate::service::http::prefer::RespondAsync;
 use crate::service::http::served::Served;
-use crate::service::jobs::{JobKind, Order};
+use crate::service::jobs::{JobKind, Order, Progress};
 use crate::service::problem::{Problem, ProblemKind};
 use crate::service::representation::Representation;
 use crate::service::tags::Question;
@@ -16,6 +16,7 @@ use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use std::sync::Arc;
 use std::time::Duration;
+use tokio::time::timeout;
 
 /// The header that says which preferences were applied (RFC 7240).
 const PREFERENCE_APPLIED: HeaderName = HeaderName::from_static("preference-applied");
@@ -32,8 +33,8 @@ pub(super) struct Asked {
     pub(super) of: String,
 }
 
-/// Relaxes a candidate and answers what follows from that, unless the client has the answer or it is kept. Where a client would
-/// rather not wait, or the work is larger than that, a job is made of it.
+/// Relaxes a candidate and answers what follows from that, unless the client has the answer or it is kept. A job is made of it
+/// where a client would rather not wait, or has waited as long as [`crate::service::Limits::patchwork_time`].
 pub(super) async fn lay_out<M>(
     served: &Served,
     asked: Asked,
@@ -43,6 +44,9 @@ pub(super) async fn lay_out<M>(
 where
     M: FnOnce(&View, &Ranked, &dyn Fn() -> bool) -> Result<Representation, Problem> + Clone + Send + 'static,
 {
+    if let Some(answer) = asked.ranked_by_now().and_then(|ranked| asked.remembered(&ranked, request)) {
+        return Ok(answer);
+    }
     let preference = RespondAsync::of(request);
     if preference.is_none()
         && let Some(answer) = soon(served, &asked, request, make.clone()).await?
@@ -52,7 +56,7 @@ where
     as_job(served, asked, request, preference, make).await
 }
 
-/// The answer, if it is there soon; of a job that has its turn, how far it is then, rather than doing the same beside it.
+/// The answer, if it is there soon; of a job for the same that is worth waiting for, how far it is by then.
 async fn soon<M>(
     Served { maps, jobs }: &Served,
     asked: &Asked,
@@ -63,16 +67,25 @@ where
     M: FnOnce(&View, &Ranked, &dyn Fn() -> bool) -> Result<Representation, Problem> + Send + 'static,
 {
     let longest = maps.limits().patchwork_time;
-    let ranked = ranked_for(maps, &asked.view, &[asked.candidate], longest).await?;
-    if let Some(answer) = asked.remembered(&ranked, request) {
-        return Ok(Some(answer));
+    if let Some(told) = jobs.join(&asked.order(false)) {
+        let job = jobs.ended_within(told, longest).await;
+        // Whoever cancelled it did so for those who asked for a job.
+        if !matches!(job.progress, Progress::Cancelled) {
+            return answer(&job, request).map(Some);
+        }
     }
-    if let Some(told) = jobs.join_running(&asked.order()) {
-        return answer(&jobs.ended_within(told, longest).await, request).map(Some);
-    }
-    match asked.made(maps, ranked, longest, make).await {
-        Err(problem) if problem.is(ProblemKind::OutOfTime) => Ok(None),
-        made => Ok(Some(made?.answer(request))),
+    let made = async {
+        let ranked = ranked_for(maps, &asked.view, &[asked.candidate], longest).await?;
+        if let Some(answer) = asked.remembered(&ranked, request) {
+            return Ok(answer);
+        }
+        Ok::<_, Problem>(asked.made(maps, ranked, longest, make).await?.answer(request))
+    };
+    // What is not waited for any more is told to stop.
+    match timeout(longest, made).await {
+        Err(_) => Ok(None),
+        Ok(Err(problem)) if problem.is(ProblemKind::OutOfTime) => Ok(None),
+        Ok(made) => made.map(Some),
     }
 }
 
@@ -87,12 +100,9 @@ where
     M: FnOnce(&View, &Ranked, &dyn Fn() -> bool) -> Result<Representation, Problem> + Send + 'static,
 {
     let Served { maps, jobs } = served;
-    if let Some(answer) = asked.ranked_by_now().and_then(|ranked| asked.remembered(&ranked, request)) {
-        return Ok(answer);
-    }
     let (view, candidate) = (Arc::clone(&asked.view), asked.candidate);
     maps.read(move || candidate.position(&view, &view.unranked())).await??;
-    let order = asked.order();
+    let order = asked.order(preference.is_none());
     let (maps, longest) = (maps.clone(), maps.limits().job_time);
     let work = async move {
         let ranked = ranked_for(&maps, &asked.view, &[asked.candidate], longest).await?;
@@ -158,9 +168,10 @@ impl Asked {
         }
     }
 
-    fn order(&self) -> Order {
+    /// What a job is to make, which may be known to be large.
+    fn order(&self, large: bool) -> Order {
         let found = Arc::downgrade(&self.view.report);
-        Order { kind: self.kind, of: self.of.clone(), next_seq: self.view.next_seq, found }
+        Order { kind: self.kind, of: self.of.clone(), next_seq: self.view.next_seq, found, large }
     }
 
     fn question(&self, ranked: &Ranked) -> Question {

@@ -385,7 +385,8 @@ async fn what_is_large_becomes_a_job() {
     assert_eq!(refused.headers[header::RETRY_AFTER], "10");
 }
 
-/// Who asks for what a job makes that has its turn waits for that job, and learns its number when it takes long.
+/// Who asks for what a job makes that has its turn waits for that job, and learns its number when it takes long. What a
+/// stranger cancels is made for one who asked for no job.
 #[tokio::test(flavor = "multi_thread")]
 async fn what_a_job_makes_is_not_made_beside_it() {
     let hasty = Limits { patchwork_time: Duration::from_millis(200), ..large() };
@@ -396,4 +397,27 @@ async fn what_a_job_makes_is_not_made_beside_it() {
     assert_eq!((told.status.as_u16(), &told.headers[header::LOCATION]), (202, &job.parse().unwrap()));
     assert_eq!((told.json()["status"].as_str(), running(&maps, 1).await.ended), (Some("running"), 0));
     cancel(&client, &job).await;
+    let (client, maps) = with_maps(large(), "").await;
+    let small = with_office(large(), "").await;
+    for cancelled in [false, true] {
+        let path = format!("{GRID}?format=pgm&resolution={}", if cancelled { 0.1 } else { 0.2 });
+        let before = maps.patchworks().ended;
+        let busy = busy(&maps).await;
+        let job = begun(&client, &path).await;
+        let joined = {
+            let (client, path) = (client.clone(), path.clone());
+            tokio::spawn(async move { client.get(&path).await })
+        };
+        // Long enough to be heard.
+        sleep(Duration::from_millis(200)).await;
+        if cancelled {
+            cancel(&client, &job).await;
+        }
+        drop(busy);
+        let answer = joined.await.unwrap();
+        assert!(answer.status == 200 && answer.body == small.get(&path).await.body, "{}", answer.status);
+        assert_eq!(status(&client, &job).await, if cancelled { "cancelled" } else { "done" });
+        let made = running(&maps, 0).await.ended - before - maps.patchwork_threads() as u64;
+        assert_eq!(made, 1, "{path}");
+    }
 }
