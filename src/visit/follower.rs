@@ -21,9 +21,7 @@ pub(super) struct Follower {
 
 /// The grid follows the robot in steps of so many metres.
 const FOLLOW: f64 = 4.0;
-/// Way before an arrival that is still remembered: it shows where there is room to pass.
-const APPROACH: f64 = 20.0;
-/// A trail is remembered for so many metres of driving, longer than walls: a door that the robot once went through is still
+/// The way is remembered for so many metres of driving, longer than walls: a door that the robot once went through is still
 /// one, if half a metre beside. A robot that circles would have ever more of it.
 const REMEMBERED: f64 = 200.0;
 /// Points of a trail are this far apart, metres.
@@ -92,10 +90,10 @@ impl Follower {
         &self.moments[at(from)..at(to.saturating_add(1)).max(at(from))]
     }
 
-    /// Forgets the way before an arrival and the approach to it.
+    /// Forgets the way before an arrival, but for what may still be part of a trail.
     pub(super) fn forget_before(&mut self, arrival: &Moment) {
         let needed =
-            |moment: &Moment| moment.scan >= arrival.scan || moment.driven + APPROACH >= arrival.driven;
+            |moment: &Moment| moment.scan >= arrival.scan || moment.driven + REMEMBERED >= arrival.driven;
         self.moments.drain(..self.moments.iter().position(needed).unwrap_or(0));
     }
 
@@ -155,6 +153,26 @@ mod tests {
         follower.add_placed(&scan(), &at(0.1, true));
         let scans: Vec<usize> = follower.moments().iter().map(|moment| moment.scan).collect();
         assert_eq!(scans, [0, 1000, 1001]);
+    }
+
+    /// To and fro through a door, visit after visit: what was driven before the last one is still a way, for a while.
+    #[test]
+    fn an_arrival_does_not_end_the_trail() {
+        let mut follower = Follower::new(&VisitParameters::default()).unwrap();
+        let length = |follower: &Follower| -> f64 {
+            let lpm = follower.lpm(&Point::origin(), &Pose::IDENTITY).unwrap();
+            lpm.trail.windows(2).map(|leg| (leg[1] - leg[0]).norm()).sum()
+        };
+        for k in 0..1200 {
+            let x = f64::from(if k / 10 % 2 == 0 { k % 10 } else { 10 - k % 10 }) / 2.0;
+            let arrival = follower.add_placed(&scan(), &at(x, true));
+            if k % 60 == 59 {
+                follower.forget_before(&arrival);
+                let most = REMEMBERED.min(arrival.driven);
+                assert!((most - 1.0..=most).contains(&length(&follower)), "{}", length(&follower));
+            }
+        }
+        assert!(follower.moments().len() <= 402, "{}", follower.moments().len());
     }
 
     #[test]

@@ -18,8 +18,9 @@ pub(super) struct Visit {
     pub(super) lpm: Lpm,
 }
 
-pub(super) fn scans() -> Vec<LaserScan> {
-    let file = File::open(data("logs/aces.clf.bz2")).unwrap();
+/// The scans of a recorded log.
+pub(super) fn scans(name: &str) -> Vec<LaserScan> {
+    let file = File::open(data(&format!("logs/{name}.clf.bz2"))).unwrap();
     let log = BufReader::new(MultiBzDecoder::new(file));
     let (scans, fault) = carmen_scans(log, LogOptions::default()).read_all();
     assert!(fault.is_none(), "{fault:?}");
@@ -35,7 +36,7 @@ pub(super) fn marks() -> Vec<Mark> {
 
 /// The 15 visits of the log, at the arrivals that the list marks.
 pub(super) fn load() -> Vec<Visit> {
-    let (scans, marks) = (scans(), marks());
+    let (scans, marks) = (scans("aces"), marks());
     let arrivals = marks.iter().map(|mark| mark.scan).collect();
     let mut visits = AnnotatedVisits::new(arrivals, &VisitParameters::default()).unwrap();
     let mut stages: Vec<Stage> = scans.iter().filter_map(|scan| visits.add(scan)).collect();

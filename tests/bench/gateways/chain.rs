@@ -74,7 +74,7 @@ const PARAMETERS: &[Parameter] = &[
 const MOST: usize = 20_000;
 
 pub(super) fn print() {
-    let (scans, marks) = (aces::scans(), aces::marks());
+    let (scans, marks) = (aces::scans("aces"), aces::marks());
     let matched = matched(&scans, &VisitParameters::default());
     println!("\nthe ACES log to its map, every default 20 % down and up");
     println!(

@@ -1,8 +1,9 @@
 //! How well gateways and stars are read off buildings that others recorded: `../shared/data`, see its README.
 //!
-//! `cargo xtask gateways [visits] [doors] [borders] [stability] [defaults] [chain]` prints what is asked for, everything unless told:
+//! `cargo xtask gateways [visits] [again] [doors] [borders] [stability] [defaults] [chain]` prints what is asked for, everything unless told:
 //!
 //! * `visits`: the places of the ACES log, a star a visit;
+//! * `again`: the places that recorded logs come to again, a star a visit;
 //! * `doors`: the annotated doors of gdc3, from the pose from which a robot approaches each on either side;
 //! * `borders`: the borders between rooms of the segmented maps, plain and furnished, from either side;
 //! * `stability`: whether the star of a place survives another laying of the grid, noise, and another arrival;
@@ -14,6 +15,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "an evaluation ends where something is wrong")]
 
 mod aces;
+mod again;
 mod borders;
 mod chain;
 mod defaults;
@@ -29,8 +31,9 @@ fn main() {
         println!("skipped, as ../shared/data is not there: gateways {}", asked.join(" "));
         return;
     }
-    let parts: [(&str, fn()); 6] = [
+    let parts: [(&str, fn()); 7] = [
         ("visits", visits::print),
+        ("again", again::print),
         ("doors", doors::print),
         ("borders", borders::print),
         ("stability", stability::print),

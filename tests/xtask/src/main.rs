@@ -65,7 +65,7 @@ usage: cargo xtask <task>
   evaluate [WALKS [SEED]]
            random walks with odometry that drifts: how often an axiom refutes the true map, how many candidates are
            left, and how often the true map is preferred
-  gateways [visits] [doors] [borders] [stability] [defaults] [chain]
+  gateways [visits] [again] [doors] [borders] [stability] [defaults] [chain]
            how well gateways and stars are read off recorded maps; needs ../shared/data
   golden   write the golden files anew (api/openapi.json, api/examples, worlds/pictures); look at the difference
            before committing";
