@@ -115,12 +115,13 @@ impl Search<'_> {
         if let Some(conflict) = self.conflict(&bearing) {
             return Look::Conflict(conflict);
         }
-        let Some(reached) = self.layout.to_reach(&self.polygons.lines(sides, 1.0)) else {
+        let gate = self.layout.gate(bearing.len());
+        let Some(reached) = self.layout.to_reach(&self.polygons.lines(sides, 1.0), gate) else {
             return Look::Unknown;
         };
         match self.polygons.within(&solved, self.settled(sides), Some(&reached.poses)) {
             Some(pair) => self.next(&pair, sides),
-            None if reached.chi_square <= self.layout.gate(bearing.len()) => Look::Open,
+            None if reached.chi_square <= gate => Look::Open,
             None => Look::Unknown,
         }
     }
@@ -171,7 +172,7 @@ impl Search<'_> {
         let first_order = self.polygons.solve(sides).chi_square;
         let shares = NEARER.map(|gates| (gates * gate / first_order).sqrt());
         let mut shares = shares.into_iter().filter(|&share| share < 1.0).chain([1.0]);
-        let takes = |share| Some(self.layout.to_reach(&self.polygons.lines(sides, share))?.chi_square);
+        let takes = |share| Some(self.layout.to_reach(&self.polygons.lines(sides, share), gate)?.chi_square);
         let takes = shares.find_map(|share| takes(share).filter(|&takes| takes > gate));
         let mut spans: Vec<Span> = sides.iter().map(|&side| self.polygons.span(side)).collect();
         // A side of a square and its part may both bear.
