@@ -34,7 +34,7 @@ pub(super) struct Loop {
     /// How much more the later visit's frame is turned, where bearings tell.
     pub(super) turn: Option<f64>,
     /// The variances of x, y and heading that each of the two visits adds.
-    stay: Vector3<f64>,
+    pub(super) stay: Vector3<f64>,
 }
 
 /// The visits laid out.
@@ -189,6 +189,11 @@ impl Layout {
     /// What closes the loops, in units of their covariance.
     pub(super) fn whitened(&self) -> &DVector<f64> {
         &self.whitened
+    }
+
+    /// The errors as estimated, in standard deviations.
+    pub(super) fn errors(&self) -> &DVector<f64> {
+        &self.errors
     }
 
     /// The errors of a span as estimated.

@@ -6,7 +6,7 @@
 //! that line is compared with the gate, as a difference of chi-squares is distributed as that of a linear model is
 //! whatever the coordinates are.
 
-use crate::geometry::{Pose, Vector, direction};
+use crate::geometry::{Vector, direction};
 use crate::metric::layout::{Layout, Span};
 use crate::metric::leg::lever;
 use nalgebra::{DMatrix, DVector, RowVector3};
@@ -33,12 +33,12 @@ pub(super) struct Line {
 }
 
 /// Visits put on lines.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(super) struct Reached {
     /// How much more chi-square that takes.
     pub(super) chi_square: f64,
-    /// Where all visits then lie.
-    pub(super) poses: Vec<Pose>,
+    /// All visits laid out so.
+    pub(super) layout: Layout,
 }
 
 /// A side of the polygon, and where the visit lies towards it.
@@ -96,7 +96,7 @@ impl Layout {
             layout.solve()?;
             let conditions = Conditions::new(&layout, lines)?;
             if round == 0 && conditions.misses.iter().all(|misses| *misses >= 0.0) {
-                return Some(Reached { chi_square: 0.0, poses: layout.poses });
+                return Some(Reached { chi_square: 0.0, layout });
             }
             let pulls = pulls(&conditions.covariance, &conditions.misses);
             let (closing, _) = layout.chi_square();
@@ -111,7 +111,8 @@ impl Layout {
                 layout.go(&ahead, way);
                 Some(Step { ahead, way })
             } else if shaken || chi_square <= gate {
-                return Some(Reached { chi_square, poses: layout.poses });
+                layout.go(&ahead, 1.0);
+                return Some(Reached { chi_square, layout });
             } else {
                 shaken = true;
                 layout.shake(SHAKE);
