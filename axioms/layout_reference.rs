@@ -35,7 +35,7 @@ pub(crate) static QUANTILES: LazyLock<Vec<f64>> = LazyLock::new(|| {
         }
         at
     };
-    (0..40).map(|half| if half == 0 { 0.0 } else { quantile(half) }).collect()
+    (0..80).map(|half| if half == 0 { 0.0 } else { quantile(half) }).collect()
 });
 
 /// All errors of a story estimated at once, with spread one each: three a travel of its own, then three a visit of
@@ -114,6 +114,39 @@ impl<'a> Estimate<'a> {
             poses.push(poses[at].compose(&leg));
         }
         poses
+    }
+
+    /// Errors that lead to these frames: of what is the same on all travels and of where in their places the first visits are
+    /// those that leave least to all others.
+    pub(crate) fn errors_to(&self, poses: &[Pose]) -> DVector<f64> {
+        let (told, visits) = (self.told, self.told.story.len());
+        let gone = |at: usize| {
+            let (leg, own, same) = &self.legs[at];
+            let to = poses[at].inverse().compose(&poses[at + 1]);
+            let error = Vector3::new(leg.x - to.x, leg.y - to.y, wrap_angle(leg.theta - to.theta));
+            let back = own.try_inverse().unwrap();
+            (back * error, back * same)
+        };
+        let gone: Vec<_> = (0..self.legs.len()).map(gone).collect();
+        let (mut information, mut pull) = (Matrix3::identity(), Vector3::zeros());
+        for (error, same) in &gone {
+            information += same.transpose() * same;
+            pull += same.transpose() * error;
+        }
+        let common = information.try_inverse().unwrap() * pull;
+        let mut errors = DVector::zeros(self.mean.len());
+        for (at, (error, same)) in gone.iter().enumerate() {
+            errors.fixed_rows_mut::<3>(3 * at).copy_from(&(error - same * common));
+        }
+        errors.fixed_rows_mut::<3>(6 * visits).copy_from(&common);
+        let sigma = told.astray().diagonal().map(f64::sqrt);
+        for first in 0..visits {
+            let loops = self.loops.iter().filter(|&&visit| told.first(told.story[visit].0) == first);
+            let offs: Vec<Vector3<f64>> = loops.map(|&visit| self.off_among(poses, visit, &errors)).collect();
+            let mean = offs.iter().sum::<Vector3<f64>>() / (offs.len() as f64 + 1.0);
+            errors.fixed_rows_mut::<3>(3 * (visits + first)).copy_from(&mean.component_div(&sigma));
+        }
+        errors
     }
 
     /// The frame of a visit, in that of an earlier one.

@@ -95,6 +95,11 @@ impl<'a> Profile<'a> {
         reached.then(|| Rise { by: self.chi_square(&errors) - self.least, rests })
     }
 
+    /// How much more chi-square than the least errors take that lead to these frames of all visits.
+    pub(crate) fn takes(&self, poses: &[Pose]) -> f64 {
+        self.chi_square(&self.estimate.errors_to(poses)) - self.least
+    }
+
     /// Where the later visit of each pair lies, seen from the earlier one.
     fn between(&self, errors: &DVector<f64>) -> Vec<Vector2<f64>> {
         self.among(&self.estimate.poses(errors))

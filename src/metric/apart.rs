@@ -124,7 +124,7 @@ fn crowd(story: &Story<'_>, layout: &Layout, separation: f64) -> Option<Breach> 
         Room::Lacking(Crowd { chi_square, gate, spans }) => {
             Some(Breach::Crowd { spans, chi_square, gate, separation })
         }
-        Room::Found | Room::Unknown => None,
+        Room::Found(_) | Room::Unknown => None,
     }
 }
 

@@ -22,6 +22,7 @@ use crate::metric::layout::{Layout, Span};
 use crate::metric::profile::NEARER;
 use crate::metric::sides::{Pair, Polygons, Side};
 use crate::metric::uncertainty::quantile;
+use crate::metric::witness::Witness;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How long to look for room.
@@ -47,9 +48,9 @@ impl Patience {
 /// Whether all places can lie apart at once.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Room {
-    /// Errors within the gate are found with which they do. Found in a range of shares, whose covariances bound those of each share
+    /// Errors within the gate are found with which they do, and which hold to that as they are. Found in a range of shares, whose covariances bound those of each share
     /// in it, it says that this bound leaves room, and not that any one share does.
-    Found,
+    Found(Witness),
     /// What that takes is more than is likely.
     Lacking(Crowd),
     /// It is not found out.
@@ -71,9 +72,9 @@ impl Layout {
     /// Whether some visits, ascending and measured in between, can all lie so far from each other.
     pub(super) fn room(&self, visits: &[usize], radius: f64, patience: Patience) -> Room {
         let Some(polygons) = Polygons::new(self, visits, radius) else { return Room::Unknown };
-        let mut search = Search { layout: self, polygons, patience, ended: BTreeMap::new() };
+        let mut search = Search { layout: self, polygons, patience, ended: BTreeMap::new(), witness: None };
         match choice(patience.steps(), |sides| search.look(sides)) {
-            Choice::Found => Room::Found,
+            Choice::Found => search.witness.map_or(Room::Unknown, Room::Found),
             Choice::Unknown => Room::Unknown,
             Choice::Lacking => {
                 let least = search.ended.into_values().flatten();
@@ -98,6 +99,8 @@ struct Search<'a> {
     patience: Patience,
     /// What it takes to come beyond sides that bear, if that is too much.
     ended: BTreeMap<Vec<Side>, Option<Crowd>>,
+    /// What was found.
+    witness: Option<Witness>,
 }
 
 impl Search<'_> {
@@ -108,21 +111,28 @@ impl Search<'_> {
         if solved.chi_square <= self.layout.gate(bearing.len()) {
             match self.polygons.within(&solved, self.settled(sides), None) {
                 Some(pair) => return self.next(&pair, sides),
-                None if sides.is_empty() => return Look::Open,
+                None if sides.is_empty() => return self.open(self.layout, 0),
                 None => {}
             }
         }
         if let Some(conflict) = self.conflict(&bearing) {
             return Look::Conflict(conflict);
         }
-        let Some(reached) = self.layout.to_reach(&self.polygons.lines(sides, 1.0)) else {
+        let gate = self.layout.gate(bearing.len());
+        let Some(reached) = self.layout.to_reach(&self.polygons.lines(sides, 1.0), gate) else {
             return Look::Unknown;
         };
-        match self.polygons.within(&solved, self.settled(sides), Some(&reached.poses)) {
+        match self.polygons.within(&solved, self.settled(sides), Some(&reached.layout.poses)) {
             Some(pair) => self.next(&pair, sides),
-            None if reached.chi_square <= self.layout.gate(bearing.len()) => Look::Open,
-            None => Look::Unknown,
+            None => self.open(&reached.layout, bearing.len()),
         }
+    }
+
+    /// That nothing is left to take beyond so many sides that bear, if that holds of the errors found as they are.
+    fn open(&mut self, found: &Layout, bearing: usize) -> Look<Side> {
+        let (least, _) = self.layout.chi_square();
+        self.witness = self.polygons.witness(found, least, self.layout.gate(bearing));
+        if self.witness.is_some() { Look::Open } else { Look::Unknown }
     }
 
     /// The sides of which it is not asked whether visits are beyond them: they were put there, as far as steps come to rest.
@@ -171,7 +181,7 @@ impl Search<'_> {
         let first_order = self.polygons.solve(sides).chi_square;
         let shares = NEARER.map(|gates| (gates * gate / first_order).sqrt());
         let mut shares = shares.into_iter().filter(|&share| share < 1.0).chain([1.0]);
-        let takes = |share| Some(self.layout.to_reach(&self.polygons.lines(sides, share))?.chi_square);
+        let takes = |share| Some(self.layout.to_reach(&self.polygons.lines(sides, share), gate)?.chi_square);
         let takes = shares.find_map(|share| takes(share).filter(|&takes| takes > gate));
         let mut spans: Vec<Span> = sides.iter().map(|&side| self.polygons.span(side)).collect();
         // A side of a square and its part may both bear.

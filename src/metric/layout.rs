@@ -34,7 +34,7 @@ pub(super) struct Loop {
     /// How much more the later visit's frame is turned, where bearings tell.
     pub(super) turn: Option<f64>,
     /// The variances of x, y and heading that each of the two visits adds.
-    stay: Vector3<f64>,
+    pub(super) stay: Vector3<f64>,
 }
 
 /// The visits laid out.
@@ -44,8 +44,8 @@ pub(super) struct Layout {
     /// The frame of each visit, in that of the first one since the last travel that was not measured.
     pub(super) poses: Vec<Pose>,
     pub(super) loops: Vec<Loop>,
-    /// The errors of the travels to the visits as estimated.
-    errors: Vec<Vector3<f64>>,
+    /// The errors as estimated, in standard deviations: three of each travel of its own, then those that are the same on all.
+    errors: DVector<f64>,
     /// What an error of the travel to each visit is as a twist at the origin.
     twists: Vec<Matrix3<f64>>,
     /// Sums over the travels up to each visit: covariances of own errors, effects of common ones, estimated errors.
@@ -63,7 +63,7 @@ pub(super) struct Layout {
 const UNKNOWN: f64 = 1e4;
 /// At most so many linearisations, and the change of an error that ends them.
 const ROUNDS: usize = 20;
-const SETTLED: f64 = 1e-6;
+const SETTLED: f64 = 1e-5;
 
 impl Layout {
     /// The layout of all visits of a story by the loops among the first `assigned` ones.
@@ -77,7 +77,7 @@ impl Layout {
             travels,
             poses: vec![Pose::IDENTITY; visits],
             loops: Vec::new(),
-            errors: vec![Vector3::zeros(); visits],
+            errors: DVector::zeros(3 * visits + 3),
             twists: vec![Matrix3::identity(); visits],
             own: vec![Matrix3::zeros(); visits],
             common: vec![Matrix3::zeros(); visits],
@@ -156,7 +156,7 @@ impl Layout {
                     (self.own[before], self.common[before], self.sums[before]);
                 continue;
             };
-            let error = self.errors[visit];
+            let error = self.error(visit);
             let gone = Vector3::new(travel.pose.x, travel.pose.y, travel.pose.theta) - error;
             let (from, turn) = (self.poses[before], rotation(self.poses[before].theta));
             let to = turn * gone + Vector3::new(from.x, from.y, from.theta);
@@ -191,47 +191,79 @@ impl Layout {
         &self.whitened
     }
 
+    /// The errors as estimated, in standard deviations.
+    pub(super) fn errors(&self) -> &DVector<f64> {
+        &self.errors
+    }
+
     /// The errors of a span as estimated.
     pub(super) fn gathered(&self, span: Span) -> Vector3<f64> {
         self.sums[span.to] - self.sums[span.from]
     }
 
-    /// Estimates the errors anew; the largest change.
-    fn adjust(&mut self) -> Option<f64> {
-        self.solve()?;
-        self.pulled(self.whitened.clone(), &[], 1.0)
+    /// The error of the travel to a visit as estimated.
+    fn error(&self, visit: usize) -> Vector3<f64> {
+        let own = self.errors.fixed_rows::<3>(3 * visit);
+        let common = self.errors.fixed_rows::<3>(3 * self.poses.len());
+        self.travels[visit]
+            .as_ref()
+            .map_or(Vector3::zeros(), |travel| travel.root * own + travel.common * common)
     }
 
-    /// Moves the errors so far of the way to what they are by what pulls at the loops, in units of their covariance, and at
-    /// more spans; the largest change.
-    pub(super) fn pulled(
-        &mut self,
+    /// Estimates the errors anew; the largest change, in standard deviations.
+    fn adjust(&mut self) -> Option<f64> {
+        self.solve()?;
+        let ahead = self.ahead(self.whitened.clone(), &[])?;
+        self.go(&ahead, 1.0);
+        Some(ahead.amax())
+    }
+
+    /// How far it is from the errors to what they are by what pulls at the loops, in units of their covariance, and at more
+    /// spans; in standard deviations.
+    pub(super) fn ahead(
+        &self,
         mut pull: DVector<f64>,
         beside: &[(Span, Vector3<f64>)],
-        way: f64,
-    ) -> Option<f64> {
+    ) -> Option<DVector<f64>> {
         self.root.tr_solve_lower_triangular_mut(&mut pull).then_some(())?;
-        let mut bias = Vector3::zeros();
+        let mut errors = DVector::zeros(self.errors.len());
+        let mut common = Vector3::zeros();
         // What starts and ends to pull at each visit.
         let mut pulls = vec![Vector3::zeros(); self.poses.len() + 1];
         let loops = self.loops.iter().enumerate();
         let pulled = loops.map(|(i, one)| (one.span, pull.fixed_rows::<3>(3 * i).into_owned()));
         for (span, pull) in pulled.chain(beside.iter().copied()) {
-            bias += (self.common[span.to] - self.common[span.from]).transpose() * pull;
+            common += (self.common[span.to] - self.common[span.from]).transpose() * pull;
             pulls[span.from + 1] += pull;
             pulls[span.to + 1] -= pull;
         }
-        let (mut pulled, mut change) = (Vector3::zeros(), 0.0_f64);
+        let mut pulled = Vector3::zeros();
         for (visit, pull) in pulls.iter().enumerate().take(self.poses.len()) {
             pulled += pull;
             let Some(travel) = &self.travels[visit] else { continue };
-            let goal = travel.own * (self.twists[visit].transpose() * pulled) + travel.common * bias;
-            let error = goal * way + self.errors[visit] * (1.0 - way);
-            change = change.max((error - self.errors[visit]).amax());
-            self.errors[visit] = error;
+            let own = travel.root.transpose() * (self.twists[visit].transpose() * pulled);
+            errors.fixed_rows_mut::<3>(3 * visit).copy_from(&own);
+        }
+        errors.fixed_rows_mut::<3>(3 * self.poses.len()).copy_from(&common);
+        Some(errors - &self.errors)
+    }
+
+    /// Changes the errors by so much of what is ahead.
+    pub(super) fn go(&mut self, ahead: &DVector<f64>, way: f64) {
+        self.errors.axpy(way, ahead, 1.0);
+        self.place();
+    }
+
+    /// Changes all errors that travels have of their own by so many standard deviations, up or down in no order (multiplicative
+    /// hashing, Knuth 1973). The order is that from the last travel back.
+    pub(super) fn shake(&mut self, by: f64) {
+        for (visit, _) in self.travels.iter().enumerate().filter(|(_, travel)| travel.is_some()) {
+            for at in 3 * visit..3 * visit + 3 {
+                let hash = ((self.errors.len() - at) as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+                self.errors[at] += if hash >> 40 & 1 == 0 { by } else { -by };
+            }
         }
         self.place();
-        Some(change)
     }
 
     /// What the errors of a loop, linearised, come to.
@@ -251,25 +283,19 @@ impl Layout {
         own + common(one) * common(other).transpose()
     }
 
-    /// The covariance that two loops have of the visits they have in common.
+    /// The covariance that two loops have of the visits they have in common. Both ends of a loop are one spot: what either
+    /// adds is taken where the loop ends, so that no heading swings what lies between the two.
     fn stays(&self, one: &Loop, other: &Loop) -> Matrix3<f64> {
-        let of = |visit: usize, closing: &Loop| {
-            let moves = lever(&-at(&self.poses[visit]));
-            moves * Matrix3::from_diagonal(&closing.stay) * moves.transpose()
-        };
-        let mut covariance = Matrix3::zeros();
-        if one.span.from == other.span.from {
-            covariance += of(one.span.from, one);
+        if one.span.from != other.span.from {
+            return Matrix3::zeros();
         }
+        let mut stay = one.stay;
         if one.span.to == other.span.to {
-            covariance += of(one.span.to, one);
-            if one.turn.is_none() {
-                let moves = lever(&-at(&self.poses[one.span.to]));
-                covariance +=
-                    moves * Matrix3::from_diagonal(&Vector3::new(0.0, 0.0, UNKNOWN)) * moves.transpose();
-            }
+            let heading = if one.turn.is_some() { one.stay.z } else { UNKNOWN };
+            stay += Vector3::new(one.stay.x, one.stay.y, heading);
         }
-        covariance
+        let [to, and] = [one, other].map(|closing| lever(&-at(&self.poses[closing.span.to])));
+        to * Matrix3::from_diagonal(&stay) * and.transpose()
     }
 
     /// The covariance of the loops and a span, in units of the loops.

@@ -117,8 +117,8 @@ impl Measurements {
     /// once: by which `apart` judges too, with [`Patience::Short`]. Asked of one range of the share of heading errors that is the
     /// same on all travels, by number; `None` where no likely errors close the loops. What is lacking is lacking as far as a
     /// descent from the likeliest errors finds the least chi-square. What is found is short of the distance by 3.5 % at most,
-    /// of which a polygon falls short of a circle, but for what a descent that rests by chi-square leaves. Hundreds of
-    /// least-squares problems, each cubic in the loops.
+    /// of which a polygon falls short of a circle, and a centimetre; that it is so, and within the gate, is looked at once
+    /// more without derivatives ([`Witness`](crate::metric::Witness)). Hundreds of least-squares problems, each cubic in the loops.
     pub fn room(
         &self,
         proposal: &Proposal<'_>,

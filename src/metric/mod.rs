@@ -33,7 +33,9 @@ mod remainder;
 mod share;
 mod sides;
 mod uncertainty;
+mod witness;
 
 pub use crowd::{Crowd, Patience, Room};
 pub use measurements::Measurements;
 pub use parameters::MetricParameters;
+pub use witness::Witness;

@@ -6,7 +6,7 @@
 //! that line is compared with the gate, as a difference of chi-squares is distributed as that of a linear model is
 //! whatever the coordinates are.
 
-use crate::geometry::{Pose, Vector, direction};
+use crate::geometry::{Vector, direction};
 use crate::metric::layout::{Layout, Span};
 use crate::metric::leg::lever;
 use nalgebra::{DMatrix, DVector, RowVector3};
@@ -14,12 +14,13 @@ use std::f64::consts::{PI, TAU};
 
 /// Sides of the polygon within the circle.
 const SIDES: usize = 24;
-/// At most so many linearisations, and the change of chi-square that ends them. Errors come to rest more slowly, but
-/// near its least chi-square hardly depends on them: 0.11 was left in the worst case seen.
+/// At most so many linearisations, and how much chi-square is left where they end, as far as the last two tell.
 const ROUNDS: usize = 40;
-const SETTLED: f64 = 0.01;
-/// After so many linearisations each goes half of the way.
-const CALM: f64 = 8.0;
+const SETTLED: f64 = 1e-3;
+/// How much of the way to where a linearisation leads is gone, at least and at most.
+const WAYS: [f64; 2] = [0.125, 2.0];
+/// By how many standard deviations each error is shaken where a descent rests on what may be a saddle.
+const SHAKE: f64 = 0.1;
 /// How much chi-square it is to take to first order to come to the lines looked at before a side, in gates.
 pub(super) const NEARER: [f64; 2] = [1.5, 3.0];
 
@@ -32,12 +33,12 @@ pub(super) struct Line {
 }
 
 /// Visits put on lines.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(super) struct Reached {
     /// How much more chi-square that takes.
     pub(super) chi_square: f64,
-    /// Where all visits then lie.
-    pub(super) poses: Vec<Pose>,
+    /// All visits laid out so.
+    pub(super) layout: Layout,
 }
 
 /// A side of the polygon, and where the visit lies towards it.
@@ -81,36 +82,71 @@ impl Layout {
     fn beyond(&self, side: &Side, gate: f64) -> Option<f64> {
         let before = NEARER.map(|gates| side.off + (gates * gate).sqrt() * side.sigma);
         let lines = before.into_iter().filter(|&at| at < side.line.at).chain([side.line.at]);
-        let mut reached = lines.map(|at| self.to_reach(&[Line { at, ..side.line }]));
+        let mut reached = lines.map(|at| self.to_reach(&[Line { at, ..side.line }], gate));
         reached.find_map(|reached| Some(reached?.chi_square).filter(|&takes| takes > gate))
     }
 
-    /// What it takes at least to put visits on lines from this side of each, or beyond. `None` where it is not found out.
-    pub(super) fn to_reach(&self, lines: &[Line]) -> Option<Reached> {
+    /// What it takes at least to put visits on lines from this side of each, or beyond. Where that is more than a gate, it is
+    /// more after a shake too. `None` where it is not found out.
+    pub(super) fn to_reach(&self, lines: &[Line], gate: f64) -> Option<Reached> {
         let mut layout = self.clone();
         let (least, _) = layout.chi_square();
-        let mut last = f64::NAN;
+        let (mut last, mut way, mut shaken): (Option<Step>, _, _) = (None, 1.0, false);
         for round in 0..ROUNDS {
             layout.solve()?;
             let conditions = Conditions::new(&layout, lines)?;
             if round == 0 && conditions.misses.iter().all(|misses| *misses >= 0.0) {
-                return Some(Reached { chi_square: 0.0, poses: layout.poses });
+                return Some(Reached { chi_square: 0.0, layout });
             }
             let pulls = pulls(&conditions.covariance, &conditions.misses);
             let (closing, _) = layout.chi_square();
-            let chi_square = closing + taken(&conditions.covariance, &conditions.misses, &pulls);
-            // Shorter steps end what goes to and fro between two linearisations.
-            let way = 1.0 / (1.0 + round as f64 / CALM);
-            if (chi_square - last).abs() < SETTLED * way {
-                return Some(Reached { chi_square: chi_square - least, poses: layout.poses });
-            }
-            last = chi_square;
+            let chi_square = closing + taken(&conditions.covariance, &conditions.misses, &pulls) - least;
             let beside = lines.iter().zip(&conditions.moves).zip(&pulls);
             let beside: Vec<_> =
                 beside.map(|((line, moves), pull)| (line.span, moves.transpose() * *pull)).collect();
-            layout.pulled(layout.whitened() - conditions.known * pulls, &beside, way)?;
+            let ahead = layout.ahead(layout.whitened() - conditions.known * pulls, &beside)?;
+            let left;
+            (way, left) = last.map_or((way, f64::INFINITY), |last| last.then(&ahead));
+            last = if left >= SETTLED {
+                layout.go(&ahead, way);
+                Some(Step { ahead, way })
+            } else if shaken || chi_square <= gate {
+                layout.go(&ahead, 1.0);
+                return Some(Reached { chi_square, layout });
+            } else {
+                shaken = true;
+                layout.shake(SHAKE);
+                None
+            };
         }
         None
+    }
+}
+
+/// A step of a descent: how far ahead in the space of errors, in standard deviations, the least of the problem as linearised
+/// there was, and how much of that way was gone.
+struct Step {
+    ahead: DVector<f64>,
+    way: f64,
+}
+
+impl Step {
+    /// How much of the way to go next, by how what is ahead has changed over the last one (Irons and Tuck 1969), and how much
+    /// chi-square the way to the least takes off yet. Infinite where the way gets longer, as it does next to a saddle.
+    fn then(&self, ahead: &DVector<f64>) -> (f64, f64) {
+        if ahead.norm_squared() == 0.0 {
+            return (1.0, 0.0);
+        }
+        let change = &self.ahead - ahead;
+        let less = self.ahead.dot(&change);
+        let [least, most] = WAYS;
+        if less <= 0.0 {
+            return (most, f64::INFINITY);
+        }
+        // Of chi-square around its least, in units of what linearised problems think it is.
+        let curvature = less / (self.way * self.ahead.norm_squared());
+        let way = self.way * less / change.norm_squared();
+        (way.clamp(least, most), ahead.norm_squared() / curvature)
     }
 }
 
@@ -197,6 +233,29 @@ mod tests {
             (DMatrix::from_row_slice(2, 2, &covariance), DVector::from_row_slice(&misses));
         let pulls = pulls(&covariance, &misses);
         ([pulls[0], pulls[1]], taken(&covariance, &misses, &pulls))
+    }
+
+    /// Of a linear problem, each of whose errors is off its least by so much and comes nearer by a share of that at a time.
+    fn next(off: [f64; 2], shares: [f64; 2], way: f64) -> (f64, f64) {
+        let ahead = |off: [f64; 2]| DVector::from_fn(2, |at, _| -off[at] * shares[at]);
+        let then = std::array::from_fn(|at| off[at] * (1.0 - way * shares[at]));
+        Step { ahead: ahead(off), way }.then(&ahead(then))
+    }
+
+    #[test]
+    fn what_is_left_is_told_by_how_fast_the_way_shortens() {
+        let near = |found: (f64, f64), way: f64, left: f64| {
+            assert!((found.0 - way).abs() < 1e-9 && (found.1 - left).abs() < 1e-9, "{found:?}");
+        };
+        // Fast, slow, and to and fro: chi-square grows by the share with the square of what is off.
+        near(next([1.0, 0.0], [0.8, 1.0], 1.0), 1.25, 0.8 * 0.04);
+        near(next([1.0, 0.0], [0.1, 1.0], 1.0), 2.0, 0.1 * 0.81);
+        near(next([1.0, 0.0], [2.5, 1.0], 1.0), 0.4, 2.5 * 2.25);
+        // The slow one is what is left where the fast one has come to rest, though it is far from its own.
+        near(next([0.0, 1.0], [1.0, 0.02], 0.5), 2.0, 0.02 * 0.99 * 0.99);
+        // At rest, and next to a saddle.
+        near(next([0.0, 0.0], [1.0, 1.0], 1.0), 1.0, 0.0);
+        assert_eq!(next([0.0, 1e-6], [1.0, -0.3], 1.0), (2.0, f64::INFINITY));
     }
 
     #[test]

@@ -9,6 +9,7 @@
 
 use crate::geometry::Pose;
 use crate::metric::leg::Leg;
+use crate::metric::uncertainty::factor;
 use nalgebra::Matrix3;
 
 /// How much of the variance of heading errors is the same on all travels: at most so much, and at most so much is not.
@@ -50,8 +51,9 @@ pub(super) fn in_each<T>(breach: impl FnMut(usize) -> Option<T>) -> Option<Vec<T
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Travel {
     pub(super) pose: Pose,
-    /// The covariance of the part of its own.
+    /// The covariance of the part of its own, and a factor of it.
     pub(super) own: Matrix3<f64>,
+    pub(super) root: Matrix3<f64>,
     /// What each cause of the other part does.
     pub(super) common: Matrix3<f64>,
 }
@@ -63,7 +65,7 @@ impl Share {
         let own = leg.odometry - heading * heading.transpose() * (1.0 - self.own) + leg.stay;
         let mut common = leg.causes;
         common.column_mut(2).scale_mut(self.same.sqrt());
-        Travel { pose: leg.pose, own, common }
+        Travel { pose: leg.pose, own, root: factor(&own), common }
     }
 }
 

@@ -8,6 +8,7 @@ use crate::metric::conflicts::Ways;
 use crate::metric::layout::{Layout, Span};
 use crate::metric::leg::lever;
 use crate::metric::profile::{Line, pulls, taken};
+use crate::metric::witness::Witness;
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix2x3, Rotation2, RowVector3, Vector3};
 use std::collections::BTreeSet;
 use std::f64::consts::{PI, TAU};
@@ -207,6 +208,11 @@ impl<'a> Polygons<'a> {
         let takes = |side: &Side| pair.takes(*side, self.at(*side));
         parts.sort_by(|a, b| takes(a).total_cmp(&takes(b)));
         Some(Ways { whole, parts })
+    }
+
+    /// Errors with which all visits lie beyond each other's polygon, if these do, within a gate over the least.
+    pub(super) fn witness(&self, found: &Layout, least: f64, gate: f64) -> Option<Witness> {
+        Witness::new(found, self.visits, self.radius * (PI / FINE as f64).cos(), least, gate)
     }
 
     /// The two visits of a side.

@@ -145,8 +145,8 @@ impl Evidence for Asking {
     fn holds(&self, _: AxiomId, proposal: &Proposal<'_>) -> bool {
         if proposal.branch.visits().len() == self.last {
             let separation = MetricParameters::default().separation;
-            let found =
-                |range| self.measured.room(proposal, range, separation, Patience::Long) == Some(Room::Found);
+            let room = |range| self.measured.room(proposal, range, separation, Patience::Long);
+            let found = |range| matches!(room(range), Some(Room::Found(_)));
             // Errors that are mostly new on every travel, the last range, leave most room.
             self.found.store((0..Measurements::RANGES).rev().any(found), Ordering::Relaxed);
         }
