@@ -411,21 +411,6 @@ mod tests {
         }
     }
 
-    /// A robot that sees only what lies ahead of it knows half of what it sees after a quarter turn: nothing speaks
-    /// against its odometry.
-    #[test]
-    fn what_was_not_seen_before_is_not_laid_onto_what_was() {
-        let mut matcher = ScanMatcher::new(MatchingParameters::default());
-        let ahead = |stamp: f64, theta: f64| {
-            let all = scan(stamp, &Pose::new(0.0, 0.0, theta), Pose::new(0.0, 0.0, theta));
-            let seen = |k: usize| all.ranges[k].filter(|_| !(90..270).contains(&k));
-            LaserScan { ranges: (0..360).map(seen).collect(), ..all }
-        };
-        matcher.add(&ahead(0.0, 0.0));
-        let turned = matcher.add(&ahead(0.2, 1.2)).local_from_robot;
-        assert!((turned.theta - 1.2).abs() < 0.02 && turned.x.hypot(turned.y) < 0.05, "{turned:?}");
-    }
-
     #[test]
     fn a_leap_after_a_rest_or_back_in_time_is_one() {
         let mut matcher = ScanMatcher::new(MatchingParameters::default());

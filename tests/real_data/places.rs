@@ -35,8 +35,11 @@ const LAYINGS: u32 = 6;
 const TURNED: f64 = 0.7;
 
 /// The visits that are found in the logs of two cluttered buildings, for each laying.
-static CLUTTERED: LazyLock<[(&str, Vec<Vec<Stage>>); 2]> =
+static CLUTTERED: LazyLock<[Log; 2]> =
     LazyLock::new(|| ["mit-csail", "fr079"].map(|name| (name, layings(name))));
+
+/// A log's name, and its visits in each laying.
+type Log = (&'static str, Vec<Vec<Stage>>);
 
 fn layings(name: &str) -> Vec<Vec<Stage>> {
     let scans = logs::scans(name);
