@@ -50,10 +50,10 @@ const WALKS: [Kind<Vec<Visit>>; 3] = [
 const MEASUREMENTS: [Kind<Vec<Sighting>>; 4] = [
     ("a travel without odometry", |seen| seen[1..].iter().any(|it| it.motion.is_none())),
     ("a start that is guessed", |seen| {
-        seen.iter().any(|it| it.motion.is_some_and(|motion| !motion.start_given))
+        seen.iter().any(|it| it.motion.as_ref().is_some_and(|motion| !motion.start_given))
     }),
     ("a start that is given", |seen| {
-        seen.iter().any(|it| it.motion.is_some_and(|motion| motion.start_given))
+        seen.iter().any(|it| it.motion.as_ref().is_some_and(|motion| motion.start_given))
     }),
     ("a slot without bearing", |seen| {
         seen.iter().any(|it| it.star.slots().iter().any(|slot| slot.bearing.is_none()))

@@ -1,6 +1,7 @@
 //! The axioms of loops and spots, slowly: all errors of a story as unknowns, derivatives by differences, and the
 //! definitions.
 
+use crate::floor_reference::obstacles;
 use crate::measured_reference::Told;
 use crate::profile_reference::Profile;
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Matrix3xX, Vector2, Vector3};
@@ -301,19 +302,22 @@ pub(crate) fn pairs_of_places(told: &Told<'_>) -> Vec<(usize, usize)> {
     places.iter().flat_map(before).collect()
 }
 
-/// Whether no likely errors have all places apart. The engine may not find that out, so that it is never certain that it
+/// Whether no likely errors have all places apart and all ways clear. The engine may not find that out, so that it is never certain that it
 /// refutes by it: where gates are wide nothing is crowded. But where even narrow ones leave room, it must not.
 fn is_crowded(told: &Told<'_>, estimate: &Estimate<'_>) -> bool {
     let gates = told.bounds.position_gate / MetricParameters::default().position_gate;
     let (pairs, radius) = (pairs_of_places(told), separation(told));
     let off = |&(from, to): &(usize, usize)| estimate.pose(from, to).0.xy().norm();
     let near: Vec<&(usize, usize)> = pairs.iter().filter(|pair| off(pair) < radius).collect();
+    let obstacles = obstacles(told);
+    let poses = estimate.poses(&estimate.mean);
+    let blocked = obstacles.iter().any(|obstacle| obstacle.lacks(&poses) > 0.0);
     let beside = near.iter().any(|(_, to)| !told.is_new() || *to == told.latest());
-    if gates > 1.0 || !beside {
+    if gates > 1.0 || !(beside || blocked) {
         return false;
     }
     let gate = gates * QUANTILES[1].min(estimate.left(2)).max(0.0);
-    Profile::new(estimate, &pairs).rise(radius).is_none_or(|rise| rise.by > gate)
+    Profile::new(estimate, &pairs, obstacles).rise(radius).is_none_or(|rise| rise.by > gate)
 }
 
 fn shares_a_spot(told: &Told<'_>, estimate: &Estimate<'_>) -> bool {
@@ -340,8 +344,10 @@ fn shares_a_spot(told: &Told<'_>, estimate: &Estimate<'_>) -> bool {
     let nearest = near.iter().min_by(|a, b| a.1.total_cmp(&b.1));
     near.iter().any(|&(_, farthest, from, to)| farthest + estimate.slack(from, to, gate) < separation)
         || nearest.is_some_and(|&(_, farthest, from, to)| {
-            let stays =
-                || Profile::new(estimate, &[(from, to)]).rises_beyond(gate * gate, separation * told.rim);
+            let stays = || {
+                Profile::new(estimate, &[(from, to)], Vec::new())
+                    .rises_beyond(gate * gate, separation * told.rim)
+            };
             farthest < separation && stays()
         })
 }

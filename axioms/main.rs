@@ -18,6 +18,7 @@ mod clingo_views;
 mod coverage;
 mod golden;
 mod judge;
+mod floor_reference;
 mod layout_reference;
 mod lengths_and_angles;
 mod measured;

@@ -64,7 +64,7 @@ impl<'a> Told<'a> {
         (slot + self.story[visit].1) % self.seen[visit].star.slots().len()
     }
 
-    fn ends(&self, to: usize) -> [(usize, usize); 2] {
+    pub(crate) fn ends(&self, to: usize) -> [(usize, usize); 2] {
         let (left, came) =
             (self.seen[to].departure.unwrap(), self.seen[to].star.opposite(self.seen[to].arrival));
         let from = (self.story[to - 1].0, self.on_place(to - 1, left.0 as usize));
@@ -92,7 +92,7 @@ impl<'a> Told<'a> {
     /// The frame of a visit in that of the one before, with errors of odometry and of the start added.
     pub(crate) fn travel(&self, to: usize, error: &Vector3<f64>, astray: &Vector3<f64>) -> Pose {
         let (before, now) = (&self.seen[to - 1], &self.seen[to]);
-        let motion = now.motion.unwrap();
+        let motion = now.motion.as_ref().unwrap();
         let start = Pose::new(
             motion.start.x - before.middle.x + astray.x,
             motion.start.y - before.middle.y + astray.y,
@@ -107,7 +107,7 @@ impl<'a> Told<'a> {
 
     /// Covariances of the displacement of a travel, by odometry and by where in the place it starts.
     pub(crate) fn covariances(&self, to: usize) -> (Matrix3<f64>, Matrix3<f64>) {
-        let motion = self.seen[to].motion.unwrap();
+        let motion = self.seen[to].motion.as_ref().unwrap();
         let none = Vector3::zeros();
         let by_error = derivative(|e| self.travel(to, e, &none));
         let by_start = derivative(|w| self.travel(to, &none, w));

@@ -2,6 +2,7 @@
 
 use crate::clingo::{on_random, on_the_same};
 use crate::engine::story;
+use crate::floor_reference::obstacles;
 use crate::layout_reference::{Estimate, SHARES, pairs_of_places};
 use crate::measured::sightings;
 use crate::measured_reference::{POLYGON, Told};
@@ -176,7 +177,7 @@ impl Case {
         let told = Told::new(&self.seen, &self.story);
         let estimate = self.estimate(&told);
         let (ends, distance) = self.question(&estimate)?;
-        let slow = Slow::new(&estimate, &[(ends[0], ends[1])]);
+        let slow = Slow::new(&estimate, &[(ends[0], ends[1])], Vec::new());
         let [inside, rim] = [distance * POLYGON, distance].map(|distance| slow.rise(distance));
         let below = inside.and_then(|rise| self.parted(ends, 0.999 * rise.by - REST, distance));
         let above = rim.and_then(|rise| self.parted(ends, 1.001 * rise.by + REST, distance));
@@ -299,7 +300,7 @@ fn to_have_all_places_apart_takes_what_the_reference_finds() {
         let distance = 2.0 + case.about / 12.0;
         let claims = [Patience::Short, Patience::Long].map(|patience| case.lacking(distance, patience));
         let Some(claimed) = claims.into_iter().flatten().reduce(f64::max) else { return Ok(()) };
-        let rise = Slow::new(&estimate, &pairs_of_places(&told)).rise(distance);
+        let rise = Slow::new(&estimate, &pairs_of_places(&told), obstacles(&told)).rise(distance);
         crowded.set(crowded.get() + 1);
         known.set(known.get() + u32::from(rise.is_some()));
         prop_assert!(rise.is_none_or(|rise| claimed <= 1.001 * rise.by + REST), "{claimed} {rise:?}");
@@ -326,10 +327,14 @@ fn all_places_lie_apart_where_room_is_found() {
             let least =
                 pairs.iter().map(|&(from, to)| (at(to) - at(from)).norm()).fold(f64::INFINITY, f64::min);
             prop_assert!(least >= distance * TWELVE - 0.01, "{least} {distance}");
-            let takes = Slow::new(&estimate, &pairs).takes(&witness.poses);
+            let obstacles = obstacles(&told);
+            let lacks = obstacles.iter().map(|one| one.lacks(&witness.poses)).fold(0.0, f64::max);
+            prop_assert!(lacks < 0.02, "{lacks}");
+            let bounds = 2 * (pairs.len() + obstacles.len());
+            let takes = Slow::new(&estimate, &pairs, obstacles).takes(&witness.poses);
             prop_assert!((takes - witness.chi_square).abs() < REST, "{takes} {witness:?}");
             // No more sides bear than errors can be moved by.
-            let gate = estimate.left((2 * pairs.len().max(1)).min(3 * told.latest() + 3));
+            let gate = estimate.left(bounds.max(2).min(3 * told.latest() + 3));
             prop_assert!(takes <= witness.gate + REST && witness.gate <= gate, "{takes} {gate} {witness:?}");
             found.set(found.get() + 1);
             moved.set(moved.get() + u32::from(takes > 1.0));

@@ -4,15 +4,17 @@
 //! penalty for what lacks to the distance, which grows until nothing lacks (Courant 1943). Its derivatives are
 //! differences, its steps are damped and never uphill (Levenberg 1944, Marquardt 1963), and they start towards every side.
 
+use crate::floor_reference::Obstacle;
 use crate::layout_reference::Estimate;
 use nalgebra::{DMatrix, DVector, Vector2, Vector3};
 use std::f64::consts::TAU;
 use topostar::geometry::Pose;
 
-/// Chi-square as a function of the errors of a story, and pairs of its visits.
+/// Chi-square as a function of the errors of a story, pairs of its visits, and what is not to be in each other's way.
 pub(crate) struct Profile<'a> {
     estimate: &'a Estimate<'a>,
     pairs: Vec<(usize, usize)>,
+    obstacles: Vec<Obstacle>,
     /// Which errors bear on anything.
     unknowns: Vec<usize>,
     /// The least chi-square wherever the two visits lie, and its errors.
@@ -29,8 +31,8 @@ pub(crate) struct Rise {
     pub(crate) rests: bool,
 }
 
-/// What is made of where the visits of each pair lie, seen from the first.
-type Lacks<'a> = dyn Fn(&[Vector2<f64>]) -> Vec<f64> + 'a;
+/// What is made of where visits lie.
+type Lacks<'a> = dyn Fn(&[Pose]) -> Vec<f64> + 'a;
 
 /// Sides towards which the search starts.
 const STARTS: usize = 8;
@@ -39,8 +41,22 @@ const PENALTIES: [f64; 3] = [1e1, 1e3, 1e6];
 /// What is asked beyond the distance, so that it is reached: metres.
 const BEYOND: f64 = 1e-4;
 
+/// How much may lack for ways to be clear, metres: what the last penalty leaves.
+const LACKING: f64 = 1e-3;
+
+/// Where a search starts: with one pair towards a side, or one obstacle out of the way.
+#[derive(Clone, Copy, Debug)]
+enum Start {
+    Pair(usize, usize),
+    Obstacle(usize, usize),
+}
+
 impl<'a> Profile<'a> {
-    pub(crate) fn new(estimate: &'a Estimate<'a>, pairs: &[(usize, usize)]) -> Profile<'a> {
+    pub(crate) fn new(
+        estimate: &'a Estimate<'a>,
+        pairs: &[(usize, usize)],
+        obstacles: Vec<Obstacle>,
+    ) -> Profile<'a> {
         let told = estimate.told;
         let travels = 0..3 * told.latest();
         let firsts = estimate.loops.iter().map(|&visit| told.first(told.story[visit].0));
@@ -49,49 +65,68 @@ impl<'a> Profile<'a> {
         let mut unknowns: Vec<usize> = travels.chain(astray).chain(common).collect();
         unknowns.sort_unstable();
         unknowns.dedup();
-        let mut profile =
-            Profile { estimate, pairs: pairs.to_vec(), unknowns, least: 0.0, rest: estimate.mean.clone() };
+        let mut profile = Profile {
+            estimate,
+            pairs: pairs.to_vec(),
+            obstacles,
+            unknowns,
+            least: 0.0,
+            rest: estimate.mean.clone(),
+        };
         (profile.rest, _) = profile.descend(&profile.rest, &|_| Vec::new());
         profile.least = profile.chi_square(&profile.rest);
         profile
     }
 
-    /// How much chi-square grows at least for all pairs to lie so far apart, from every start; none if no start
-    /// leads there. Starts are those with one pair at the distance, towards each side.
+    /// How much chi-square grows at least for all pairs to lie so far apart and all to be out of each other's way, from every
+    /// start; none if no start leads there. Starts are those with one pair at the distance, towards each side, or with one
+    /// obstacle out of the way, in each way.
     pub(crate) fn rise(&self, distance: f64) -> Option<Rise> {
-        let rises = self.starts(distance).filter_map(|(pair, start)| self.rise_from(pair, start, distance));
+        let rises = self.starts(distance).into_iter().filter_map(|start| self.rise_from(start, distance));
         rises.min_by(|a, b| a.by.total_cmp(&b.by))
     }
 
     /// Whether no errors that take at most so much more chi-square were found with which they lie so far apart.
     pub(crate) fn rises_beyond(&self, gate: f64, distance: f64) -> bool {
-        let rise = |(pair, start)| self.rise_from(pair, start, distance);
-        self.starts(distance).all(|start| rise(start).is_none_or(|rise| rise.by > gate))
+        let rise = |start| self.rise_from(start, distance);
+        self.starts(distance).into_iter().all(|start| rise(start).is_none_or(|rise| rise.by > gate))
     }
 
-    /// The pairs that are nearer than they are to be, and the sides.
-    fn starts(&self, distance: f64) -> impl Iterator<Item = (usize, usize)> {
-        let near: Vec<usize> = self
-            .between(&self.rest)
-            .iter()
-            .map(|at| at.norm())
-            .enumerate()
-            .filter_map(|(pair, off)| (off < distance).then_some(pair))
-            .collect();
-        near.into_iter().flat_map(|pair| (0..STARTS).map(move |start| (pair, start)))
+    /// From the pairs that are nearer than they are to be, to all sides, and from what is in each other's way.
+    fn starts(&self, distance: f64) -> Vec<Start> {
+        let poses = self.estimate.poses(&self.rest);
+        let near = self.between(&poses).into_iter().enumerate().filter(|(_, at)| at.norm() < distance);
+        let sides = near.flat_map(|(pair, _)| (0..STARTS).map(move |side| Start::Pair(pair, side)));
+        let blocked = self.obstacles.iter().enumerate().filter(|(_, one)| one.lacks(&poses) > 0.0);
+        sides.chain(blocked.flat_map(|(one, _)| (0..4).map(move |way| Start::Obstacle(one, way)))).collect()
     }
 
-    fn rise_from(&self, pair: usize, start: usize, distance: f64) -> Option<Rise> {
+    fn rise_from(&self, start: Start, distance: f64) -> Option<Rise> {
         let asked = distance + BEYOND;
-        let angle = start as f64 / STARTS as f64 * TAU;
-        let goal = asked * Vector2::new(angle.cos(), angle.sin());
-        let (mut errors, _) = self.descend(&self.rest, &|at| (at[pair] - goal).iter().copied().collect());
+        let (mut errors, _) = match start {
+            Start::Pair(pair, side) => {
+                let angle = side as f64 / STARTS as f64 * TAU;
+                let goal = asked * Vector2::new(angle.cos(), angle.sin());
+                let off = |poses: &[Pose]| (self.between(poses)[pair] - goal).iter().copied().collect();
+                self.descend(&self.rest, &off)
+            }
+            Start::Obstacle(one, way) => {
+                self.descend(&self.rest, &|poses| vec![30.0 * self.obstacles[one].lacks_on(way, poses)])
+            }
+        };
         let mut rests = false;
         for penalty in PENALTIES {
             let lack = |at: &Vector2<f64>| f64::sqrt(penalty) * (at.norm() - asked).min(0.0);
-            (errors, rests) = self.descend(&errors, &|at| at.iter().map(lack).collect());
+            let lacks = |poses: &[Pose]| {
+                let near = self.between(poses).iter().map(lack).collect::<Vec<f64>>();
+                let blocked = self.obstacles.iter().map(|one| f64::sqrt(penalty) * one.lacks(poses));
+                near.into_iter().chain(blocked).collect()
+            };
+            (errors, rests) = self.descend(&errors, &lacks);
         }
-        let reached = self.between(&errors).iter().all(|at| at.norm() >= distance);
+        let poses = self.estimate.poses(&errors);
+        let clear = self.obstacles.iter().all(|one| one.lacks(&poses) < LACKING);
+        let reached = clear && self.between(&poses).iter().all(|at| at.norm() >= distance);
         reached.then(|| Rise { by: self.chi_square(&errors) - self.least, rests })
     }
 
@@ -101,11 +136,7 @@ impl<'a> Profile<'a> {
     }
 
     /// Where the later visit of each pair lies, seen from the earlier one.
-    fn between(&self, errors: &DVector<f64>) -> Vec<Vector2<f64>> {
-        self.among(&self.estimate.poses(errors))
-    }
-
-    fn among(&self, poses: &[Pose]) -> Vec<Vector2<f64>> {
+    fn between(&self, poses: &[Pose]) -> Vec<Vector2<f64>> {
         let seen = |&(from, to): &(usize, usize)| {
             let seen = poses[from].inverse().compose(&poses[to]);
             Vector2::new(seen.x, seen.y)
@@ -117,14 +148,14 @@ impl<'a> Profile<'a> {
         errors.norm_squared() + self.residuals(errors, &|_| Vec::new()).norm_squared()
     }
 
-    /// What loops leave open, in standard deviations, and what more is made of where the pairs lie.
+    /// What loops leave open, in standard deviations, and what more is made of where visits lie.
     fn residuals(&self, errors: &DVector<f64>, more: &Lacks<'_>) -> DVector<f64> {
         let (estimate, bounds) = (self.estimate, &self.estimate.told.bounds);
         let sigma = Vector3::new(bounds.extent_sigma, bounds.extent_sigma, bounds.bearing_sigma);
         let poses = estimate.poses(errors);
         let off = |&visit: &usize| estimate.off_among(&poses, visit, errors).component_div(&sigma);
         let mut all: Vec<f64> = estimate.loops.iter().flat_map(|visit| off(visit).data.0[0]).collect();
-        all.extend(more(&self.among(&poses)));
+        all.extend(more(&poses));
         DVector::from_vec(all)
     }
 
@@ -177,6 +208,9 @@ impl<'a> Profile<'a> {
 
 /// `(w + S'S)^-1 g`, by as many equations as `S` has rows (Woodbury 1950).
 fn damped(slope: &DMatrix<f64>, downhill: &DVector<f64>, weight: f64) -> DVector<f64> {
+    // What lacks nothing changes by no error.
+    let bears = |&row: &usize| slope.row(row).iter().any(|entry| *entry != 0.0);
+    let slope = &slope.select_rows(&(0..slope.nrows()).filter(bears).collect::<Vec<usize>>());
     let small = slope * slope.transpose() + DMatrix::identity(slope.nrows(), slope.nrows()) * weight;
     let pulled = small.cholesky().unwrap().solve(&(slope * downhill));
     (downhill - slope.tr_mul(&pulled)) / weight

@@ -7,7 +7,7 @@ use nalgebra::{Matrix2, Matrix3};
 /// The motion of the travel to a visit, of the stay there, and of the travel on, as one; `None` where any of it was not
 /// measured. Covariances add up to first order, as of independent errors.
 pub(super) fn joined(to: &Sighting, on: &Motion) -> Option<Motion> {
-    let first = to.motion?;
+    let first = to.motion.as_ref()?;
     let start = Pose { x: on.start.x, y: on.start.y, theta: on.heading? };
     let stay = to.robot_pose.inverse().compose(&start);
     let before = first.odometry.compose(&stay);
@@ -21,7 +21,15 @@ pub(super) fn joined(to: &Sighting, on: &Motion) -> Option<Motion> {
     let sum = swung * one * swung.transpose() + turned * other * turned.transpose();
     // A covariance is symmetric to the last bit.
     let sum = (sum + sum.transpose()) / 2.0;
-    Some(Motion { odometry, covariance: std::array::from_fn(|k| sum[(k / 3, k % 3)]), ..first })
+    let shape = match [&first.shape, &on.shape].iter().any(|shape| shape.is_empty()) {
+        true => Vec::new(),
+        false => {
+            let then = on.shape.iter().map(|point| before.transform_point(point));
+            first.shape.iter().copied().chain(then).collect()
+        }
+    };
+    let covariance = std::array::from_fn(|k| sum[(k / 3, k % 3)]);
+    Some(Motion { odometry, covariance, shape, ..*first })
 }
 
 #[cfg(test)]
@@ -38,6 +46,7 @@ mod tests {
             start_given: true,
             odometry,
             covariance,
+            shape: vec![Point::origin(), odometry.position()],
         }
     }
 
@@ -71,8 +80,12 @@ mod tests {
         let whole = |a: &Pose, b: &Pose| a.compose(&stay).compose(b);
         let exact = whole(&first, &second);
         assert!((found.odometry.position() - exact.position()).norm() < 1e-12);
+        // The way of the second travel goes on from where that of the first one and the stay have led.
+        let way = [Pose::IDENTITY, first, first.compose(&stay), exact].map(|pose| pose.position());
+        assert!(found.shape.iter().zip(way).all(|(found, exact)| (found - exact).norm() < 1e-12));
+        assert_eq!(found.shape.len(), way.len());
         let mut sum = Matrix3::zeros();
-        for (which, covariance) in [(0, to.motion.unwrap().covariance), (1, on.covariance)] {
+        for (which, covariance) in [(0, to.motion.as_ref().unwrap().covariance), (1, on.covariance)] {
             for axis in 0..3 {
                 let small = 1e-6;
                 let off = |pose: &Pose| {
@@ -88,8 +101,10 @@ mod tests {
                 sum += by * by.transpose() * covariance[4 * axis];
             }
         }
-        let found = Matrix3::from_row_slice(&found.covariance);
-        assert!((found - sum).amax() < 1e-5, "{found} {sum}");
+        let covariance = Matrix3::from_row_slice(&found.covariance);
+        assert!((covariance - sum).amax() < 1e-5, "{covariance} {sum}");
+        let untold = joined(&to, &Motion { shape: Vec::new(), ..on.clone() });
+        assert_eq!(untold, Some(Motion { shape: Vec::new(), ..found }));
         assert_eq!(joined(&Sighting { motion: None, ..to }, &on), None);
     }
 }

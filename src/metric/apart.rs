@@ -1,4 +1,4 @@
-//! Axiom `apart`: two places do not lie on one spot.
+//! Axiom `apart`: two places do not lie on one spot, and ways cross nowhere but at places.
 //!
 //! Where the robot stood at two different places is at least [`MetricParameters::separation`] apart, or as far as the
 //! shortest travel so far has led, if that is less. A new place is refuted where the layout of all visits
@@ -10,16 +10,17 @@
 //! way, the two visits that first order puts nearest are looked at again by the profile of the likelihood
 //! ([`crate::metric::profile`]).
 //!
-//! Then all places are looked at together: where one moves aside, what hangs on it moves too, and there must be room for all
-//! ([`crate::metric::crowd`]).
+//! Then all places and path segments are looked at together: where one moves aside, what hangs on it moves too, and there must be
+//! room for all ([`crate::metric::crowd`]).
 //!
 //! [`MetricParameters::separation`]: crate::metric::MetricParameters::separation
 
 use crate::abduction::Outcome;
 use crate::metric::breach::Breach;
-use crate::metric::crowd::{Crowd, Patience, Room};
+use crate::metric::crowd::{Patience, Room};
 use crate::metric::frames::Story;
 use crate::metric::layout::{Layout, Span};
+use crate::metric::segments::Segments;
 use crate::metric::share::{SHARES, in_each, in_every};
 use crate::metric::uncertainty::Uncertainty;
 use std::cell::OnceCell;
@@ -64,8 +65,8 @@ pub(super) fn to_part(
 /// As [`crate::metric::Measurements::room`].
 pub(super) fn room(story: &Story<'_>, share: usize, distance: f64, patience: Patience) -> Option<Room> {
     let room = |layout: &Layout| {
-        let visits = first_visits(story, layout);
-        layout.agrees().then(|| layout.room(&visits, distance, patience))
+        let segments = Segments::new(story, &first_visits(story, layout));
+        layout.agrees().then(|| layout.room(&segments, distance, patience))
     };
     judged(story, share, room)?
 }
@@ -110,20 +111,23 @@ fn spot(story: &Story<'_>, layout: &Layout, separation: f64) -> Option<Breach> {
     Some(Breach::Rim { span, chi_square, gate, separation })
 }
 
-/// Places that are in each other's way in a layout.
+/// Places and segments that are in each other's way in a layout.
 fn crowd(story: &Story<'_>, layout: &Layout, separation: f64) -> Option<Breach> {
     let latest = story.latest();
-    let visits = first_visits(story, layout);
+    let segments = Segments::new(story, &first_visits(story, layout));
     let at = |visit: usize| layout.poses[visit].position();
-    let beside = |&visit: &usize| visit != latest && (at(visit) - at(latest)).norm() < separation;
-    // A new place that is in nobody's way changes nothing.
-    if story.outcome == Outcome::NewPlace && !visits.iter().any(beside) {
+    let beside =
+        |&(visit, _): &(usize, usize)| visit != latest && (at(visit) - at(latest)).norm() < separation;
+    let obstructed = || {
+        let found = segments.obstructions(&layout.poses, 0.0);
+        found.iter().any(|obstruction| segments.concerns(obstruction, latest))
+    };
+    // A new place that is in nobody's way changes nothing, nor does the way to it.
+    if story.outcome == Outcome::NewPlace && !segments.firsts.iter().any(beside) && !obstructed() {
         return None;
     }
-    match layout.room(&visits, separation, Patience::Short) {
-        Room::Lacking(Crowd { chi_square, gate, spans }) => {
-            Some(Breach::Crowd { spans, chi_square, gate, separation })
-        }
+    match layout.room(&segments, separation, Patience::Short) {
+        Room::Lacking(crowd) => Some(Breach::Crowd { crowd, separation }),
         Room::Found(_) | Room::Unknown => None,
     }
 }

@@ -3,6 +3,7 @@
 use crate::abduction::Clash;
 use crate::map::{DstateId, PlaceId};
 use crate::metric::chain::Step;
+use crate::metric::crowd::{Crowd, InTheWay};
 use crate::metric::frames::Story;
 use crate::metric::layout::Span;
 use nalgebra::Vector3;
@@ -24,8 +25,8 @@ pub(super) enum Breach {
     Spot { span: Span, at_most: f64, separation: f64 },
     /// The same, by what it takes to have them apart.
     Rim { span: Span, chi_square: f64, gate: f64, separation: f64 },
-    /// The spots of all places, by what it takes to have all of them apart; some of these are in each other's way.
-    Crowd { spans: Vec<Span>, chi_square: f64, gate: f64, separation: f64 },
+    /// The room of all places and segments, by what it takes that all have it; some of these are in each other's way.
+    Crowd { crowd: Crowd, separation: f64 },
 }
 
 /// An interval of length, and the visit that the travel measured led to.
@@ -110,22 +111,31 @@ impl Breach {
                 );
                 over(story, *span, words)
             }
-            Breach::Crowd { spans, chi_square, gate, separation } => {
-                let from = spans.iter().map(|span| span.from).min().unwrap_or(latest);
-                let to = spans.iter().map(|span| span.to).max().unwrap_or(latest);
-                let pairs: Vec<String> = spans
-                    .iter()
-                    .map(|span| format!("{} and {}", story.place(span.from), story.place(span.to)))
-                    .collect();
+            Breach::Crowd { crowd, separation } => {
+                let Crowd { chi_square, gate, clashing } = crowd;
+                let visits = || clashing.iter().flat_map(InTheWay::visits);
+                let span =
+                    Span { from: visits().min().unwrap_or(latest), to: visits().max().unwrap_or(latest) };
+                let pairs: Vec<String> = clashing.iter().map(|pair| in_the_way(story, pair)).collect();
                 let words = format!(
-                    "all travels and the loops they closed put places on the spots of others: to have all places \
-                     {separation:.2} m apart takes chi-square {chi_square:.1} more at least, gate {gate:.1}, for \
-                     {}",
+                    "all travels and the loops they closed leave no room: to have all places {separation:.2} m apart, \
+                     and no path segment across another or past a place, takes chi-square {chi_square:.1} more at \
+                     least, gate {gate:.1}, for {}",
                     pairs.join(", "),
                 );
-                over(story, Span { from, to }, words)
+                over(story, span, words)
             }
         }
+    }
+}
+
+/// Two things in each other's way, in words.
+fn in_the_way(story: &Story<'_>, pair: &InTheWay) -> String {
+    let segment = |[from, to]: [usize; 2]| format!("segment {} - {}", story.place(from), story.place(to));
+    match *pair {
+        InTheWay::Places(span) => format!("places {} and {}", story.place(span.from), story.place(span.to)),
+        InTheWay::Segments(one, other) => format!("{} and {}", segment(other), segment(one)),
+        InTheWay::Passing(passing, visit) => format!("{} and place {}", segment(passing), story.place(visit)),
     }
 }
 

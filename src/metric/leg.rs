@@ -29,6 +29,9 @@ pub(super) struct Travelled {
     pub(super) length_variance: f64,
     /// The displacement, where the heading at its beginning is known.
     pub(super) leg: Option<Leg>,
+    /// How far the robot strayed from the straight line between the points of the two places, metres, at most; where the trace
+    /// tells the way it went.
+    pub(super) stray: Option<f64>,
 }
 
 impl Travelled {
@@ -61,15 +64,31 @@ impl Travelled {
         };
         let length_covariance = odometry + stay;
         let leg = Some(Leg { pose, odometry, causes: factor(&odometry), stay });
-        Travelled::of(pose.position().coords, length_covariance, leg)
+        let way = motion.shape.iter().map(|point| frame_from_start.transform_point(point).coords);
+        let bent = parameters.sigmas * bend(&pose.position().coords, covariance.m33);
+        let stray = stray(way, &pose.position().coords).map(|stray| stray + bent);
+        Travelled { stray, ..Travelled::of(pose.position().coords, length_covariance, leg) }
     }
 
     fn of(displacement: Vector, covariance: Matrix3<f64>, leg: Option<Leg>) -> Travelled {
         let along = displacement.try_normalize(0.0).unwrap_or_else(|| direction(0.0));
         let along = Vector3::new(along.x, along.y, 0.0);
         let length_variance = (along.transpose() * covariance * along).x;
-        Travelled { length: displacement.norm(), length_variance, leg }
+        Travelled { length: displacement.norm(), length_variance, leg, stray: None }
     }
+}
+
+/// How far points are from a straight line that begins at the origin; none where there are no points.
+fn stray(way: impl Iterator<Item = Vector>, line: &Vector) -> Option<f64> {
+    let along = line.try_normalize(0.0)?;
+    way.map(|point| along.perp(&point).abs()).reduce(f64::max)
+}
+
+/// By how much a way that is straight by odometry bends aside, in standard deviations: a heading that is gained evenly bends it by
+/// an eighth of its length times that heading, one that wanders by at most the root of a forty-eighth (the middle of an
+/// integrated Brownian motion, seen from its chord).
+fn bend(line: &Vector, heading_variance: f64) -> f64 {
+    line.norm() * (heading_variance / 48.0).sqrt()
 }
 
 /// What it means that a travel starts where the robot arrived, turned: it stands elsewhere in the place, and has

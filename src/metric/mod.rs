@@ -17,12 +17,14 @@
 
 mod angle;
 mod apart;
+mod bound;
 mod breach;
 mod chain;
 mod closure;
 mod conflicts;
 mod crowd;
 mod distance;
+mod floor;
 mod frames;
 mod layout;
 mod leg;
@@ -30,6 +32,7 @@ mod measurements;
 mod parameters;
 mod profile;
 mod remainder;
+mod segments;
 mod share;
 mod sides;
 mod uncertainty;

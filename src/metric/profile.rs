@@ -6,10 +6,10 @@
 //! that line is compared with the gate, as a difference of chi-squares is distributed as that of a linear model is
 //! whatever the coordinates are.
 
-use crate::geometry::{Vector, direction};
+use crate::geometry::direction;
+use crate::metric::bound::{Bound, Edge, Linear};
 use crate::metric::layout::{Layout, Span};
-use crate::metric::leg::lever;
-use nalgebra::{DMatrix, DVector, RowVector3};
+use nalgebra::{DMatrix, DVector};
 use std::f64::consts::{PI, TAU};
 
 /// Sides of the polygon within the circle.
@@ -24,15 +24,7 @@ const SHAKE: f64 = 0.1;
 /// How much chi-square it is to take to first order to come to the lines looked at before a side, in gates.
 pub(super) const NEARER: [f64; 2] = [1.5, 3.0];
 
-/// A line that a visit is to lie on, seen from an earlier one: the points so far in a direction of that one's frame.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Line {
-    pub(super) span: Span,
-    pub(super) direction: Vector,
-    pub(super) at: f64,
-}
-
-/// Visits put on lines.
+/// Visits put within bounds.
 #[derive(Debug)]
 pub(super) struct Reached {
     /// How much more chi-square that takes.
@@ -44,7 +36,7 @@ pub(super) struct Reached {
 /// A side of the polygon, and where the visit lies towards it.
 #[derive(Clone, Copy, Debug)]
 struct Side {
-    line: Line,
+    bound: Bound,
     off: f64,
     /// Standard deviation of that.
     sigma: f64,
@@ -53,7 +45,7 @@ struct Side {
 impl Side {
     /// How many standard deviations it is away.
     fn sigmas(&self) -> f64 {
-        (self.line.at - self.off) / self.sigma
+        (self.bound.by - self.off) / self.sigma
     }
 }
 
@@ -70,7 +62,8 @@ impl Layout {
             let direction = direction(side as f64 / SIDES as f64 * TAU);
             let along = begin.rotate(&direction);
             let sigma = along.dot(&(covariance.fixed_view::<2, 2>(0, 0) * along)).sqrt();
-            Side { line: Line { span, direction, at }, off: off.dot(&along), sigma }
+            let edge = Edge::At { visit: span.from, direction };
+            Side { bound: Bound { edge, visit: span.to, by: at }, off: off.dot(&along), sigma }
         };
         let mut sides: Vec<Side> = (0..SIDES).map(side).collect();
         sides.sort_by(|a, b| a.sigmas().total_cmp(&b.sigmas()));
@@ -81,29 +74,32 @@ impl Layout {
     /// a side is beyond every line before it, and near lines are found where those far out are not.
     fn beyond(&self, side: &Side, gate: f64) -> Option<f64> {
         let before = NEARER.map(|gates| side.off + (gates * gate).sqrt() * side.sigma);
-        let lines = before.into_iter().filter(|&at| at < side.line.at).chain([side.line.at]);
-        let mut reached = lines.map(|at| self.to_reach(&[Line { at, ..side.line }], gate));
+        let lines = before.into_iter().filter(|&by| by < side.bound.by).chain([side.bound.by]);
+        let mut reached = lines.map(|by| self.to_reach(&[Bound { by, ..side.bound }], gate));
         reached.find_map(|reached| Some(reached?.chi_square).filter(|&takes| takes > gate))
     }
 
-    /// What it takes at least to put visits on lines from this side of each, or beyond. Where that is more than a gate, it is
-    /// more after a shake too. `None` where it is not found out.
-    pub(super) fn to_reach(&self, lines: &[Line], gate: f64) -> Option<Reached> {
+    /// What it takes at least to put visits within bounds. Where that is more than a gate, it is more after a shake too. `None`
+    /// where it is not found out.
+    pub(super) fn to_reach(&self, bounds: &[Bound], gate: f64) -> Option<Reached> {
         let mut layout = self.clone();
         let (least, _) = layout.chi_square();
         let (mut last, mut way, mut shaken): (Option<Step>, _, _) = (None, 1.0, false);
         for round in 0..ROUNDS {
             layout.solve()?;
-            let conditions = Conditions::new(&layout, lines)?;
+            let conditions = Conditions::new(&layout, bounds)?;
             if round == 0 && conditions.misses.iter().all(|misses| *misses >= 0.0) {
                 return Some(Reached { chi_square: 0.0, layout });
             }
             let pulls = pulls(&conditions.covariance, &conditions.misses);
             let (closing, _) = layout.chi_square();
             let chi_square = closing + taken(&conditions.covariance, &conditions.misses, &pulls) - least;
-            let beside = lines.iter().zip(&conditions.moves).zip(&pulls);
-            let beside: Vec<_> =
-                beside.map(|((line, moves), pull)| (line.span, moves.transpose() * *pull)).collect();
+            let beside = conditions.linear.iter().zip(&pulls);
+            let beside: Vec<_> = beside
+                .flat_map(|(linear, pull)| {
+                    linear.twists.iter().map(move |(span, moves)| (*span, moves.transpose() * *pull))
+                })
+                .collect();
             let ahead = layout.ahead(layout.whitened() - conditions.known * pulls, &beside)?;
             let left;
             (way, left) = last.map_or((way, f64::INFINITY), |last| last.then(&ahead));
@@ -150,40 +146,37 @@ impl Step {
     }
 }
 
-/// Lines as conditions on the errors that the loops leave, linearised.
+/// Bounds as conditions on the errors that the loops leave, linearised.
 struct Conditions {
-    /// What a twist of each span moves along the direction.
-    moves: Vec<RowVector3<f64>>,
+    linear: Vec<Linear>,
     /// The covariances of loops and lines in units of the loops, a column a line.
     known: DMatrix<f64>,
-    /// How far beyond each line the visit lies, metres.
+    /// How far within each bound the visit lies, metres.
     misses: DVector<f64>,
     /// The covariance of that.
     covariance: DMatrix<f64>,
 }
 
 impl Conditions {
-    fn new(layout: &Layout, lines: &[Line]) -> Option<Conditions> {
-        let size = lines.len();
+    fn new(layout: &Layout, bounds: &[Bound]) -> Option<Conditions> {
+        let size = bounds.len();
         let mut found = Conditions {
-            moves: Vec::new(),
+            linear: bounds.iter().map(|bound| bound.linear(&layout.poses)).collect(),
             known: DMatrix::zeros(layout.whitened().len(), size),
             misses: DVector::zeros(size),
             covariance: DMatrix::zeros(size, size),
         };
-        for (k, line) in lines.iter().enumerate() {
-            let Span { from, to } = line.span;
-            let (begin, end) = (layout.poses[from], layout.poses[to]);
-            let along = begin.rotate(&line.direction);
-            let moves: RowVector3<f64> = along.transpose() * lever(&end.position().coords).fixed_rows::<2>(0);
-            let known = layout.known(line.span, None)? * moves.transpose();
-            let left = along.dot(&(end.position() - begin.position())) - line.at
-                + (moves * layout.gathered(line.span)).x;
-            found.misses[k] = left - known.dot(&layout.whitened().column(0));
+        for k in 0..size {
+            let linear = &found.linear[k];
+            let mut known = DVector::zeros(layout.whitened().len());
+            for (span, moves) in &linear.twists {
+                known += layout.known(*span, None)? * moves.transpose();
+            }
+            let gathered = linear.twists.iter().map(|(span, moves)| (moves * layout.gathered(*span)).x);
+            found.misses[k] = linear.within + gathered.sum::<f64>() - known.dot(&layout.whitened().column(0));
             found.known.set_column(k, &known);
-            found.moves.push(moves);
-            for (l, (other, moved)) in lines.iter().zip(&found.moves).enumerate() {
-                let shared = (moves * layout.shared(line.span, other.span) * moved.transpose()).x;
+            for l in 0..=k {
+                let shared = linear.shared(&found.linear[l], layout);
                 let entry = shared - known.dot(&found.known.column(l));
                 (found.covariance[(k, l)], found.covariance[(l, k)]) = (entry, entry);
             }
@@ -200,6 +193,8 @@ const STILL: f64 = 1e-12;
 /// is the greatest that such numbers give ([`taken`]), each of which is set to its best in turn (Hildreth 1957).
 pub(super) fn pulls(covariance: &DMatrix<f64>, misses: &DVector<f64>) -> DVector<f64> {
     let mut pulls: DVector<f64> = DVector::zeros(misses.len());
+    // What is missed beside what all pull.
+    let mut left = misses.clone();
     for _ in 0..SWEEPS {
         let mut change = 0.0_f64;
         for line in 0..misses.len() {
@@ -207,10 +202,12 @@ pub(super) fn pulls(covariance: &DMatrix<f64>, misses: &DVector<f64>) -> DVector
             if variance <= 0.0 {
                 continue;
             }
-            let left = misses[line] - covariance.column(line).dot(&pulls);
-            let pull = (pulls[line] + left / variance).min(0.0);
-            change = change.max((pull - pulls[line]).powi(2) * variance);
-            pulls[line] = pull;
+            let more = (pulls[line] + left[line] / variance).min(0.0) - pulls[line];
+            if more != 0.0 {
+                change = change.max(more.powi(2) * variance);
+                left.axpy(-more, &covariance.column(line), 1.0);
+                pulls[line] += more;
+            }
         }
         if change < STILL {
             break;

@@ -1,4 +1,4 @@
-//! Errors with which all places lie apart, held to the definition: as they are, without derivatives.
+//! Errors with which all places and segments have room, held to the definition: as they are, without derivatives.
 //!
 //! A search for room goes by linearised conditions, and does not look again at visits that it put beyond a side. So what it
 //! finds is looked at once more: where the errors put the visits, how far apart these are, and what chi-square the errors and
@@ -6,13 +6,14 @@
 
 use crate::geometry::{Pose, wrap_angle};
 use crate::metric::layout::{Layout, Loop};
+use crate::metric::segments::Segments;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
 /// How much nearer to each other than asked visits may lie, metres: what the last step of a descent leaves.
 const NEARER: f64 = 0.01;
 
-/// Errors with which all places lie apart.
+/// Errors with which all places lie apart, and no segment crosses another or leads past a place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Witness {
     /// What chi-square they take beyond the least with which all loops close.
@@ -24,23 +25,23 @@ pub struct Witness {
 }
 
 impl Witness {
-    /// The errors of a layout, if they put visits so far apart, any two of them, and take at most a gate more than the least.
-    /// As many steps as there are pairs of visits.
+    /// The errors of a layout, if they put first visits so far apart, any two of them, and segments clear, and take at most a gate
+    /// more than the least. As many steps as there are pairs.
     pub(super) fn new(
         found: &Layout,
-        visits: &[usize],
+        segments: &Segments,
         apart: f64,
         least: f64,
         gate: f64,
     ) -> Option<Witness> {
         let at = |visit: usize| found.poses[visit].position();
-        let mut pairs = visits
-            .iter()
-            .enumerate()
-            .flat_map(|(later, &to)| visits[..later].iter().map(move |&from| (from, to)));
+        let firsts = &segments.firsts;
+        let mut pairs =
+            (0..firsts.len()).flat_map(|to| (0..to).map(move |from| (firsts[from].0, firsts[to].0)));
         let chi_square = found.errors().norm_squared() + open(found) - least;
-        let holds =
-            chi_square <= gate && pairs.all(|(from, to)| (at(to) - at(from)).norm() >= apart - NEARER);
+        let holds = chi_square <= gate
+            && pairs.all(|(from, to)| (at(to) - at(from)).norm() >= apart - NEARER)
+            && segments.obstructions(&found.poses, NEARER).is_empty();
         holds.then(|| Witness { chi_square, gate, poses: found.poses.clone() })
     }
 }

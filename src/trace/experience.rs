@@ -129,7 +129,7 @@ impl Experience {
         Ok(match (kind, &self.phase) {
             (EventKind::Observation(seen), Phase::Start) => observe(seen, None, None, None, describe)?,
             (EventKind::Observation(seen), Phase::Travelling(departure, travel, motion)) => {
-                observe(seen, *departure, Some(travel), *motion, describe)?
+                observe(seen, *departure, Some(travel), motion.clone(), describe)?
             }
             (EventKind::Turn(turn), Phase::Place(here)) => (Phase::Place(here.turned(turn)?), None),
             (EventKind::Travel(travel), Phase::Place(here)) => {
@@ -199,6 +199,7 @@ impl Here {
             start_given: given.is_some(),
             odometry,
             covariance,
+            shape: travel.trail(&odometry),
         })
     }
 

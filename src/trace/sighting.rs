@@ -22,7 +22,7 @@ pub struct Sighting {
 }
 
 /// A measured travel.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Motion {
     /// Where the travel began, in the frame of the observation before it.
     pub start: Point,
@@ -35,6 +35,8 @@ pub struct Motion {
     pub odometry: Pose,
     /// Covariance of the displacement, row-major x, y, theta.
     pub covariance: [f64; 9],
+    /// The way it went, points in the frame of the displacement, its end among them; empty where that was not told.
+    pub shape: Vec<Point>,
 }
 
 /// A star and the slot the robot is at in it, read off an LPM.

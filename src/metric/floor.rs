@@ -1,0 +1,286 @@
+//! Places and path segments on one floor, moved out of each other's way, to first order.
+//!
+//! That two places lie apart, or that a segment is clear of what is in its way, is that one of several linear conditions on
+//! errors holds; what several take together is a least-squares problem under inequalities.
+
+use crate::geometry::Pose;
+use crate::metric::bound::{Bound, Linear};
+use crate::metric::conflicts::Ways;
+use crate::metric::crowd::InTheWay;
+use crate::metric::layout::{Layout, Span};
+use crate::metric::leg::lever;
+use crate::metric::profile::{pulls, taken};
+use crate::metric::segments::{Clear, Segments};
+use crate::metric::sides::{Pair, Side, inner};
+use crate::metric::witness::Witness;
+use nalgebra::{DMatrix, DVector, Matrix2, Matrix2x3, Rotation2, RowVector3, Vector3};
+use std::collections::BTreeSet;
+
+/// How far within a bound a visit is on it, metres: rounding, and pulls that are not quite the best.
+const MET: f64 = 1e-3;
+
+/// One of several ways in which two things have room beside each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Apart {
+    /// Two places.
+    Beyond(Side),
+    /// A segment, and a place or another segment.
+    Clear(Clear),
+}
+
+/// Two things on one spot.
+pub(super) enum Clash {
+    Places(Pair),
+    /// The ways out of it, what takes least first.
+    Obstructed(Vec<Clear>),
+}
+
+/// Places and segments on one floor.
+pub(super) struct Floor<'a> {
+    layout: &'a Layout,
+    segments: &'a Segments,
+    /// How far apart places are, metres.
+    separation: f64,
+    /// The first visit that all is seen from.
+    since: usize,
+    /// The covariances of loops and the twist from there to each visit, in units of the loops.
+    known: Vec<DMatrix<f64>>,
+}
+
+/// A bound as a condition on errors.
+struct Condition {
+    apart: Apart,
+    linear: Linear,
+    /// The covariance of that and the loops, in units of the loops.
+    known: DVector<f64>,
+}
+
+/// Least squares within some bounds.
+pub(super) struct Solved {
+    /// What it takes beyond the chi-square of the loops.
+    pub(super) chi_square: f64,
+    /// Those of the bounds that bear, and the factor of their covariance.
+    bearing: Vec<Condition>,
+    root: Option<DMatrix<f64>>,
+    /// How far each visit twists.
+    twists: Vec<Vector3<f64>>,
+}
+
+impl Solved {
+    /// What the bounds that bear are for, ascending, each once.
+    pub(super) fn bearing(&self) -> Vec<Apart> {
+        let bearing: BTreeSet<Apart> = self.bearing.iter().map(|condition| condition.apart).collect();
+        bearing.into_iter().collect()
+    }
+
+    /// How many bounds bear.
+    pub(super) fn degrees(&self) -> usize {
+        self.bearing.len()
+    }
+}
+
+impl<'a> Floor<'a> {
+    /// Of first visits and segments measured in between.
+    pub(super) fn new(layout: &'a Layout, segments: &'a Segments, separation: f64) -> Option<Floor<'a>> {
+        let &(since, _) = segments.firsts.first()?;
+        let known = (since..layout.poses.len()).map(|to| layout.known(Span { from: since, to }, None));
+        let known = known.collect::<Option<_>>()?;
+        Some(Floor { layout, segments, separation, since, known })
+    }
+
+    /// The least that it takes to have all of these hold.
+    pub(super) fn solve(&self, chosen: &[Apart]) -> Solved {
+        let conditions: Vec<Condition> = chosen.iter().flat_map(|&apart| self.conditions(apart)).collect();
+        let size = conditions.len();
+        let mut covariance = DMatrix::zeros(size, size);
+        for (k, one) in conditions.iter().enumerate() {
+            for (l, other) in conditions[..=k].iter().enumerate() {
+                let entry = self.covariance(one, other);
+                (covariance[(k, l)], covariance[(l, k)]) = (entry, entry);
+            }
+        }
+        let misses = DVector::from_iterator(size, conditions.iter().map(|condition| condition.linear.within));
+        let pulls = pulls(&covariance, &misses);
+        let chi_square = taken(&covariance, &misses, &pulls);
+        let bear: Vec<usize> = (0..size).filter(|&bound| pulls[bound] < 0.0).collect();
+        let root =
+            covariance.select_rows(&bear).select_columns(&bear).cholesky().map(|factor| factor.unpack());
+        let twists = (self.since..self.layout.poses.len())
+            .map(|visit| bear.iter().map(|&k| self.twist(visit, &conditions[k]) * pulls[k]).sum())
+            .collect();
+        let bearing = conditions.into_iter().enumerate().filter(|(at, _)| bear.contains(at));
+        Solved { chi_square, bearing: bearing.map(|(_, condition)| condition).collect(), root, twists }
+    }
+
+    /// Two things on one spot, if any two are, where all lie as `poses` say or, without these, as they do to first order: of all
+    /// those that take most to come apart, as they end most branches. Not those that were chosen to be apart as far as can be
+    /// said.
+    pub(super) fn clash(&self, solved: &Solved, chosen: &[Apart], poses: Option<&[Pose]>) -> Option<Clash> {
+        let moved = self.moved(solved);
+        let poses = poses.unwrap_or(&moved);
+        let pairs = self.pairs(poses, chosen).into_iter().map(|pair| {
+            let pair = Pair { open: self.left_open(solved, pair.span), ..pair };
+            (pair.takes(self.separation), Clash::Places(pair))
+        });
+        let settled = |ways: &[Clear; 4]| ways.iter().any(|way| chosen.contains(&Apart::Clear(*way)));
+        let obstructions = self.segments.obstructions(poses, MET).into_iter();
+        let ways = obstructions.map(|found| self.segments.ways(&found)).filter(|ways| !settled(ways));
+        let obstructed = ways.map(|ways| {
+            let mut ways = ways.map(|way| (self.takes(way, solved, poses), way));
+            ways.sort_by(|a, b| a.0.total_cmp(&b.0));
+            (ways[0].0, Clash::Obstructed(ways.map(|(_, way)| way).into()))
+        });
+        pairs.chain(obstructed).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, clash)| clash)
+    }
+
+    /// What is to hold of two things on one spot, one of these, what takes least first. None where what was chosen says all there
+    /// is to say.
+    pub(super) fn ways(&self, clash: &Clash, chosen: &[Apart]) -> Option<Ways<Apart>> {
+        let pair = match clash {
+            Clash::Obstructed(ways) => {
+                return Some(Ways { whole: None, parts: ways.iter().copied().map(Apart::Clear).collect() });
+            }
+            Clash::Places(pair) => pair,
+        };
+        let side = |apart: &Apart| match apart {
+            Apart::Beyond(side) if side.span() == pair.span => Some(*side),
+            _ => None,
+        };
+        // A part is chosen after its whole.
+        let known = chosen.iter().rev().find_map(side);
+        let parts = pair.ways(known, self.separation)?;
+        Some(Ways { whole: known.map(Apart::Beyond), parts: parts.into_iter().map(Apart::Beyond).collect() })
+    }
+
+    /// What it is to be apart in some ways, as bounds, each nearer by the rest of a share of what lacks to it.
+    pub(super) fn bounds(&self, chosen: &[Apart], share: f64) -> Vec<Bound> {
+        let nearer = |bound: Bound| {
+            let lacks = bound.within(&self.layout.poses).min(0.0);
+            Bound { by: bound.by + (1.0 - share) * lacks, ..bound }
+        };
+        chosen.iter().flat_map(|&apart| self.bounds_of(apart)).map(nearer).collect()
+    }
+
+    /// What would be in each other's way if this did not hold.
+    pub(super) fn otherwise(&self, apart: &Apart) -> InTheWay {
+        let ends = |segment: usize| self.segments.all[segment].visits;
+        match *apart {
+            Apart::Beyond(side) => InTheWay::Places(side.span()),
+            Apart::Clear(Clear::Aside { segment, other, .. }) => {
+                InTheWay::Segments(ends(segment.max(other)), ends(segment.min(other)))
+            }
+            Apart::Clear(Clear::Off { segment, visit, .. } | Clear::Past { segment, visit, .. }) => {
+                InTheWay::Passing(ends(segment), visit)
+            }
+        }
+    }
+
+    /// Errors with which all have room, if these have it, within a gate over the least.
+    pub(super) fn witness(&self, found: &Layout, least: f64, gate: f64) -> Option<Witness> {
+        Witness::new(found, self.segments, inner(self.separation), least, gate)
+    }
+
+    fn bounds_of(&self, apart: Apart) -> Vec<Bound> {
+        match apart {
+            Apart::Beyond(side) => vec![side.bound(self.separation)],
+            Apart::Clear(way) => self.segments.bounds(&way),
+        }
+    }
+
+    /// Where visits lie to first order.
+    fn moved(&self, solved: &Solved) -> Vec<Pose> {
+        let mut poses = self.layout.poses.clone();
+        for (pose, twist) in poses[self.since..].iter_mut().zip(&solved.twists) {
+            let moved = lever(&pose.position().coords) * twist;
+            *pose = Pose { x: pose.x - moved.x, y: pose.y - moved.y, theta: pose.theta - moved.z };
+        }
+        poses
+    }
+
+    /// Places on one spot, but those that were put beyond a part of a side.
+    fn pairs(&self, poses: &[Pose], chosen: &[Apart]) -> Vec<Pair> {
+        let settled = chosen.iter().filter_map(|apart| match apart {
+            Apart::Beyond(side) if side.is_fine() => Some((side.span().from, side.span().to)),
+            _ => None,
+        });
+        let settled: BTreeSet<(usize, usize)> = settled.collect();
+        let firsts = &self.segments.firsts;
+        let pairs = (1..firsts.len()).flat_map(|to| (0..to).map(move |from| (firsts[from].0, firsts[to].0)));
+        let pair = |(from, to): (usize, usize)| {
+            let off = poses[to].position() - poses[from].position();
+            Pair { span: Span { from, to }, off: poses[from].inverse().rotate(&off), open: Matrix2::zeros() }
+        };
+        let pairs = pairs.filter(|pair| !settled.contains(pair)).map(pair);
+        pairs.filter(|pair| pair.is_within(self.separation, MET)).collect()
+    }
+
+    /// What one way to be clear takes, to first order and beside what bears already, where visits lie so.
+    fn takes(&self, way: Clear, solved: &Solved, poses: &[Pose]) -> f64 {
+        let bounds = self.segments.bounds(&way);
+        let takes = |(bound, condition): (Bound, Condition)| {
+            let shared = solved.bearing.iter().map(|other| self.covariance(&condition, other));
+            let mut shared = DVector::from_iterator(solved.bearing.len(), shared);
+            let mut variance = self.covariance(&condition, &condition);
+            if let Some(root) = &solved.root
+                && root.solve_lower_triangular_mut(&mut shared)
+            {
+                variance -= shared.norm_squared();
+            }
+            bound.within(poses).min(0.0).powi(2) / variance.max(f64::MIN_POSITIVE)
+        };
+        bounds.into_iter().zip(self.conditions(Apart::Clear(way))).map(takes).fold(0.0, f64::max)
+    }
+
+    /// The covariance of where a visit lies, in the frame of another, that the loops and the bounds which bear leave.
+    fn left_open(&self, solved: &Solved, span: Span) -> Matrix2<f64> {
+        let known = self.known_of(span);
+        let at = self.layout.poses[span.to].position();
+        let moves: Matrix2x3<f64> = lever(&at.coords).fixed_rows::<2>(0).into_owned();
+        let mut covariance =
+            moves * (self.layout.shared(span, span) - known.tr_mul(&known)) * moves.transpose();
+        let mut shared = DMatrix::zeros(solved.bearing.len(), 2);
+        for (row, condition) in solved.bearing.iter().enumerate() {
+            let entry = self.pulled(span, condition) - known.tr_mul(&condition.known);
+            shared.set_row(row, &(moves * entry).transpose());
+        }
+        if let Some(root) = &solved.root
+            && root.solve_lower_triangular_mut(&mut shared)
+        {
+            covariance -= shared.tr_mul(&shared).fixed_view::<2, 2>(0, 0);
+        }
+        let back = Rotation2::new(-self.layout.poses[span.from].theta);
+        back.matrix() * covariance * back.matrix().transpose()
+    }
+
+    fn conditions(&self, apart: Apart) -> Vec<Condition> {
+        let condition = |bound: Bound| {
+            let linear = bound.linear(&self.layout.poses);
+            let known = |(span, moves): &(Span, RowVector3<f64>)| self.known_of(*span) * moves.transpose();
+            let none = DVector::zeros(self.layout.whitened().len());
+            let known = linear.twists.iter().map(known).fold(none, |sum, known| sum + known);
+            Condition { apart, linear, known }
+        };
+        self.bounds_of(apart).into_iter().map(condition).collect()
+    }
+
+    fn covariance(&self, one: &Condition, other: &Condition) -> f64 {
+        one.linear.shared(&other.linear, self.layout) - one.known.dot(&other.known)
+    }
+
+    /// How a visit twists where a condition pulls with a force of one.
+    fn twist(&self, visit: usize, condition: &Condition) -> Vector3<f64> {
+        let span = Span { from: self.since, to: visit };
+        self.pulled(span, condition) - self.known[visit - self.since].tr_mul(&condition.known)
+    }
+
+    /// The same of a span, without loops.
+    fn pulled(&self, span: Span, condition: &Condition) -> Vector3<f64> {
+        let pulled =
+            |(other, moves): &(Span, RowVector3<f64>)| self.layout.shared(span, *other) * moves.transpose();
+        condition.linear.twists.iter().map(pulled).sum()
+    }
+
+    fn known_of(&self, span: Span) -> DMatrix<f64> {
+        &self.known[span.to - self.since] - &self.known[span.from - self.since]
+    }
+}
