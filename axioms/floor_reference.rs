@@ -95,7 +95,7 @@ impl Obstacle {
     /// The same for one of four ways out.
     pub(crate) fn lacks_on(&self, way: usize, poses: &[Pose]) -> f64 {
         let at = |visit: usize| poses[visit].position();
-        let sign = if way % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = if way.is_multiple_of(2) { 1.0 } else { -1.0 };
         let aside = |[from, to]: [usize; 2], visit: usize| {
             let (line, off) = (at(to) - at(from), at(visit) - at(from));
             sign * (line.x * off.y - line.y * off.x) / line.norm()

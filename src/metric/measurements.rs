@@ -114,7 +114,7 @@ impl Measurements {
     pub const RANGES: usize = SHARES.len();
 
     /// Whether the robot can have stood so many metres apart on the first visits to any two places, if a proposal holds, all at
-    /// once: by which `apart` judges too, with [`Patience::Short`]. Asked of one range of the share of heading errors that is the
+    /// once, and path segments whose way is known cross nowhere and lead past no place: by which `apart` judges too, with [`Patience::Short`]. Asked of one range of the share of heading errors that is the
     /// same on all travels, by number; `None` where no likely errors close the loops. What is lacking is lacking as far as a
     /// descent from the likeliest errors finds the least chi-square. What is found is short of the distance by 3.5 % at most,
     /// of which a polygon falls short of a circle, and a centimetre; that it is so, and within the gate, is looked at once

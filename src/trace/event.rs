@@ -132,7 +132,7 @@ pub struct Travel {
     pub covariance: Option<[f64; 9]>,
     /// Pose in the frame of the last observation when the travel started.
     pub from_pose: Option<Pose>,
-    /// The way it went, points in the frame of `odometry`, metres.
+    /// The way it went, points in the frame of `odometry`, straight in between, metres.
     pub shape: Vec<[f64; 2]>,
 }
 

@@ -65,7 +65,8 @@ pub struct WireEvent {
     /// travel: pose in the frame of the last observation when the travel started.
     #[serde(default, deserialize_with = "object::optional", skip_serializing_if = "Option::is_none")]
     pub from_pose: Option<WirePose>,
-    /// travel: the way it went, points in the frame of `odometry`.
+    /// travel: the way it went, points in the frame of `odometry`, straight in between. Where it is told, and odometry has a
+    /// covariance, `apart` takes it that path segments meet at places alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shape: Option<Vec<[f64; 2]>>,
     /// assert: two observations, counted from 0, already made and different.

@@ -5,7 +5,7 @@ use crate::abduction::axiom::{Axiom, AxiomId, Check, Profile};
 pub(super) const AXIOM: Axiom = Axiom {
     id: AxiomId::Apart,
     name: "apart",
-    statement: "Two places do not lie on one spot, and all have room at once, where their relative positions are known well enough to say so.",
+    statement: "Two places do not lie on one spot, path segments meet at places alone, and all have room at once, where their relative positions are known well enough to say so.",
     source: "seed, section 2.1: a place is a neighbourhood with bounds",
     profiles: &[Profile::Default],
     switchable: true,
