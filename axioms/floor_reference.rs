@@ -18,36 +18,43 @@ pub(crate) struct Way {
 pub(crate) enum Obstacle {
     /// Two lines, each with how far from it a way may be.
     Crossing([([usize; 2], f64); 2]),
-    /// A line, how near to it a visit may not be, and the visit.
-    Passing([usize; 2], f64, usize),
+    /// A line, how near to it a visit may not be but next to its ends, how far these reach, and the visit.
+    Passing { line: [usize; 2], near: f64, ends: f64, visit: usize },
 }
 
 /// The ways of a story: every travel, if none before it went along the same segment.
-fn ways(told: &Told<'_>) -> Vec<Way> {
+fn ways(told: &Told<'_>, separation: f64) -> Vec<Way> {
     let new = |&to: &usize| (1..to).all(|before| told.ends(before) != told.ends(to));
     let way = |to: usize| {
         let visits = [to - 1, to];
         Way { visits, places: visits.map(|visit| told.story[visit].0), stray: stray(told, to) }
     };
-    (1..=told.latest()).filter(new).map(way).collect()
+    let far = |way: &Way| {
+        let line = told.travel(way.visits[1], &Vector3::zeros(), &Vector3::zeros());
+        line.x.hypot(line.y) >= separation.min(1.0)
+    };
+    (1..=told.latest()).filter(new).map(way).filter(far).collect()
 }
 
-/// By every point that the trace tells, and by what a heading may have bent a way that looks straight.
+/// By every point that the trace tells, and by what a heading may have bent of the way, and turned of the line.
 fn stray(told: &Told<'_>, to: usize) -> f64 {
     let (before, motion) = (&told.seen[to - 1], told.seen[to].motion.as_ref().unwrap());
     let end = told.travel(to, &Vector3::zeros(), &Vector3::zeros()).position().coords;
     let start = Pose::new(motion.start.x, motion.start.y, motion.heading.unwrap());
-    let from_line = |point: &Point| {
-        let at: Vector = start.transform_point(point) - before.middle;
-        (end.x * at.y - end.y * at.x).abs() / end.norm()
-    };
-    let bent = told.bounds.sigmas * end.norm() * motion.covariance[8].sqrt() / 48f64.sqrt();
-    motion.shape.iter().map(from_line).fold(0.0, f64::max) + bent
+    let way: Vec<Vector> =
+        motion.shape.iter().map(|point| start.transform_point(point) - before.middle).collect();
+    let from_line = |at: &Vector| (end.x * at.y - end.y * at.x).abs() / end.norm();
+    let pieces: f64 = (1..way.len()).map(|k| (way[k] - way[k - 1]).norm()).sum();
+    let length = pieces.max(end.norm());
+    let bent = length * length / end.norm() * motion.covariance[8].sqrt() / 48f64.sqrt();
+    let started = if motion.start_given { 0.0 } else { told.bounds.extent_sigma };
+    way.iter().map(from_line).fold(0.0, f64::max) + told.bounds.sigmas * (bent + started)
 }
 
-/// All that may be in each other's way.
-pub(crate) fn obstacles(told: &Told<'_>) -> Vec<Obstacle> {
-    let ways = ways(told);
+/// All that may be in each other's way, where places are so far apart.
+pub(crate) fn obstacles(told: &Told<'_>, separation: f64) -> Vec<Obstacle> {
+    let ways = ways(told, separation);
+    let clearance = separation / 2.0 - told.bounds.sigmas * told.bounds.extent_sigma;
     let mut found = Vec::new();
     for (k, one) in ways.iter().enumerate() {
         for other in &ways[..k] {
@@ -55,11 +62,11 @@ pub(crate) fn obstacles(told: &Told<'_>) -> Vec<Obstacle> {
                 found.push(Obstacle::Crossing([one, other].map(|way| (way.visits, way.stray))));
             }
         }
-        let near = told.bounds.clearance - one.stray;
+        let near = clearance - one.stray;
         let first = |&visit: &usize| told.first(told.story[visit].0) == visit;
         for visit in (0..=told.latest()).filter(first) {
             if near > 0.0 && !one.places.contains(&told.story[visit].0) {
-                found.push(Obstacle::Passing(one.visits, near, visit));
+                found.push(Obstacle::Passing { line: one.visits, near, ends: clearance, visit });
             }
         }
     }
@@ -84,9 +91,9 @@ impl Obstacle {
                 };
                 aside(lines[0], lines[1].0).min(aside(lines[1], lines[0].0))
             }
-            Obstacle::Passing(line, near, visit) => {
+            Obstacle::Passing { line, near, ends, visit } => {
                 let (along, aside, length) = seen(line, visit);
-                (near - aside.abs()).min(along).min(length - along)
+                (near - aside.abs()).min(along - ends).min(length - ends - along)
             }
         };
         out.max(0.0)
@@ -106,11 +113,11 @@ impl Obstacle {
                 let off = lines[1 - way / 2].0.map(|end| aside(line, end));
                 -stray - off[0].min(off[1])
             }
-            Obstacle::Passing(line, near, visit) if way < 2 => near - aside(line, visit),
-            Obstacle::Passing([from, to], _, visit) => {
+            Obstacle::Passing { line, near, visit, .. } if way < 2 => near - aside(line, visit),
+            Obstacle::Passing { line: [from, to], ends, visit, .. } => {
                 let (line, off) = (at(to) - at(from), at(visit) - at(from));
                 let along = line.dot(&off) / line.norm();
-                if way == 2 { along } else { line.norm() - along }
+                if way == 2 { along - ends } else { line.norm() - ends - along }
             }
         };
         out.max(0.0)

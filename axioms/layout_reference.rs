@@ -309,7 +309,7 @@ fn is_crowded(told: &Told<'_>, estimate: &Estimate<'_>) -> bool {
     let (pairs, radius) = (pairs_of_places(told), separation(told));
     let off = |&(from, to): &(usize, usize)| estimate.pose(from, to).0.xy().norm();
     let near: Vec<&(usize, usize)> = pairs.iter().filter(|pair| off(pair) < radius).collect();
-    let obstacles = obstacles(told);
+    let obstacles = obstacles(told, radius);
     let poses = estimate.poses(&estimate.mean);
     let blocked = obstacles.iter().any(|obstacle| obstacle.lacks(&poses) > 0.0);
     let beside = near.iter().any(|(_, to)| !told.is_new() || *to == told.latest());

@@ -240,7 +240,8 @@ struct Crowding {
 impl Evidence for Crowding {
     fn holds(&self, axiom: AxiomId, proposal: &Proposal<'_>) -> bool {
         let holds = self.measured.holds(axiom, proposal);
-        let crowded = !holds && self.clash(axiom, proposal).words.contains("leave no room");
+        let words = || self.clash(axiom, proposal).words;
+        let crowded = !holds && words().contains("leave no room") && words().contains("m apart");
         self.crowded.fetch_add(usize::from(crowded), Ordering::Relaxed);
         holds
     }

@@ -300,7 +300,7 @@ fn to_have_all_places_apart_takes_what_the_reference_finds() {
         let distance = 2.0 + case.about / 12.0;
         let claims = [Patience::Short, Patience::Long].map(|patience| case.lacking(distance, patience));
         let Some(claimed) = claims.into_iter().flatten().reduce(f64::max) else { return Ok(()) };
-        let rise = Slow::new(&estimate, &pairs_of_places(&told), obstacles(&told)).rise(distance);
+        let rise = Slow::new(&estimate, &pairs_of_places(&told), obstacles(&told, distance)).rise(distance);
         crowded.set(crowded.get() + 1);
         known.set(known.get() + u32::from(rise.is_some()));
         prop_assert!(rise.is_none_or(|rise| claimed <= 1.001 * rise.by + REST), "{claimed} {rise:?}");
@@ -327,7 +327,7 @@ fn all_places_lie_apart_where_room_is_found() {
             let least =
                 pairs.iter().map(|&(from, to)| (at(to) - at(from)).norm()).fold(f64::INFINITY, f64::min);
             prop_assert!(least >= distance * TWELVE - 0.01, "{least} {distance}");
-            let obstacles = obstacles(&told);
+            let obstacles = obstacles(&told, distance);
             let lacks = obstacles.iter().map(|one| one.lacks(&witness.poses)).fold(0.0, f64::max);
             prop_assert!(lacks < 0.02, "{lacks}");
             let bounds = 2 * (pairs.len() + obstacles.len());

@@ -65,7 +65,7 @@ pub(super) fn to_part(
 /// As [`crate::metric::Measurements::room`].
 pub(super) fn room(story: &Story<'_>, share: usize, distance: f64, patience: Patience) -> Option<Room> {
     let room = |layout: &Layout| {
-        let segments = Segments::new(story, &first_visits(story, layout));
+        let segments = Segments::new(story, &first_visits(story, layout), distance);
         layout.agrees().then(|| layout.room(&segments, distance, patience))
     };
     judged(story, share, room)?
@@ -114,7 +114,7 @@ fn spot(story: &Story<'_>, layout: &Layout, separation: f64) -> Option<Breach> {
 /// Places and segments that are in each other's way in a layout.
 fn crowd(story: &Story<'_>, layout: &Layout, separation: f64) -> Option<Breach> {
     let latest = story.latest();
-    let segments = Segments::new(story, &first_visits(story, layout));
+    let segments = Segments::new(story, &first_visits(story, layout), separation);
     let at = |visit: usize| layout.poses[visit].position();
     let beside =
         |&(visit, _): &(usize, usize)| visit != latest && (at(visit) - at(latest)).norm() < separation;

@@ -116,12 +116,12 @@ impl Breach {
                 let visits = || clashing.iter().flat_map(InTheWay::visits);
                 let span =
                     Span { from: visits().min().unwrap_or(latest), to: visits().max().unwrap_or(latest) };
-                let pairs: Vec<String> = clashing.iter().map(|pair| in_the_way(story, pair)).collect();
+                let pairs: Vec<String> =
+                    clashing.iter().map(|pair| in_the_way(story, pair, *separation)).collect();
                 let words = format!(
-                    "all travels and the loops they closed leave no room: to have all places {separation:.2} m apart, \
-                     and no path segment across another or past a place, takes chi-square {chi_square:.1} more at \
-                     least, gate {gate:.1}, for {}",
-                    pairs.join(", "),
+                    "all travels and the loops they closed leave no room: it takes chi-square {chi_square:.1} more \
+                     at least, gate {gate:.1}, to have {}",
+                    pairs.join("; "),
                 );
                 over(story, span, words)
             }
@@ -129,13 +129,18 @@ impl Breach {
     }
 }
 
-/// Two things in each other's way, in words.
-fn in_the_way(story: &Story<'_>, pair: &InTheWay) -> String {
+/// What it would be to have two things out of each other's way, in words.
+fn in_the_way(story: &Story<'_>, pair: &InTheWay, separation: f64) -> String {
     let segment = |[from, to]: [usize; 2]| format!("segment {} - {}", story.place(from), story.place(to));
     match *pair {
-        InTheWay::Places(span) => format!("places {} and {}", story.place(span.from), story.place(span.to)),
-        InTheWay::Segments(one, other) => format!("{} and {}", segment(other), segment(one)),
-        InTheWay::Passing(passing, visit) => format!("{} and place {}", segment(passing), story.place(visit)),
+        InTheWay::Places(span) => {
+            let [from, to] = [span.from, span.to].map(|visit| story.place(visit));
+            format!("places {from} and {to} {separation:.2} m apart")
+        }
+        InTheWay::Segments(one, other) => format!("{} not across {}", segment(one), segment(other)),
+        InTheWay::Passing(passing, visit) => {
+            format!("{} not through place {}", segment(passing), story.place(visit))
+        }
     }
 }
 

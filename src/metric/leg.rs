@@ -64,9 +64,10 @@ impl Travelled {
         };
         let length_covariance = odometry + stay;
         let leg = Some(Leg { pose, odometry, causes: factor(&odometry), stay });
-        let way = motion.shape.iter().map(|point| frame_from_start.transform_point(point).coords);
-        let bent = parameters.sigmas * bend(&pose.position().coords, covariance.m33);
-        let stray = stray(way, &pose.position().coords).map(|stray| stray + bent);
+        let way: Vec<Vector> =
+            motion.shape.iter().map(|point| frame_from_start.transform_point(point).coords).collect();
+        let started = if motion.start_given { 0.0 } else { parameters.extent_sigma };
+        let stray = stray(&way, &pose.position().coords, covariance.m33, started, parameters.sigmas);
         Travelled { stray, ..Travelled::of(pose.position().coords, length_covariance, leg) }
     }
 
@@ -78,17 +79,21 @@ impl Travelled {
     }
 }
 
-/// How far points are from a straight line that begins at the origin; none where there are no points.
-fn stray(way: impl Iterator<Item = Vector>, line: &Vector) -> Option<f64> {
+/// How far a way, as odometry has it, may have been from the straight line between the origin and its end, metres: none where it is
+/// not told, or the line has no direction.
+///
+/// A heading that errs by `s` at the end, as it is gained on the way, bends a straight way aside by at most `s / sqrt(48)` of its
+/// length where it wanders (the middle of an integrated Brownian motion, seen from its chord), and by an eighth where it is gained
+/// evenly. Where the way is longer than the line, what moves the end turns the line, and all that lies far from it, by so much
+/// more.
+fn stray(way: &[Vector], line: &Vector, heading: f64, started: f64, sigmas: f64) -> Option<f64> {
     let along = line.try_normalize(0.0)?;
-    way.map(|point| along.perp(&point).abs()).reduce(f64::max)
-}
-
-/// By how much a way that is straight by odometry bends aside, in standard deviations: a heading that is gained evenly bends it by
-/// an eighth of its length times that heading, one that wanders by at most the root of a forty-eighth (the middle of an
-/// integrated Brownian motion, seen from its chord).
-fn bend(line: &Vector, heading_variance: f64) -> f64 {
-    line.norm() * (heading_variance / 48.0).sqrt()
+    let aside = way.iter().map(|point| along.perp(point).abs()).reduce(f64::max)?;
+    let length: f64 = way.windows(2).map(|piece| (piece[1] - piece[0]).norm()).sum();
+    let length = length.max(line.norm());
+    let bent = length * (length / line.norm()) * (heading / 48.0).sqrt();
+    let stray = aside + sigmas * (bent + started);
+    stray.is_finite().then_some(stray)
 }
 
 /// What it means that a travel starts where the robot arrived, turned: it stands elsewhere in the place, and has
@@ -117,6 +122,55 @@ fn moved(pose: &Pose, by: &Vector) -> Pose {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A way of corners, with a heading that is gained evenly, or slips at one point, by so much in all.
+    fn bent(corners: &[[f64; 2]], by: f64, slips_at: Option<f64>) -> Vec<Vector> {
+        let pieces: Vec<Vector> = corners
+            .windows(2)
+            .map(|ends| Vector::new(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]))
+            .collect();
+        let length: f64 = pieces.iter().map(|piece| piece.norm()).sum();
+        let (mut at, mut gone, mut way) = (Vector::zeros(), 0.0, vec![Vector::zeros()]);
+        for piece in pieces {
+            let steps = (piece.norm() / 0.1).ceil();
+            for _ in 0..steps as usize {
+                let share = gone / length;
+                let error = slips_at.map_or(by * share, |slips| if share < slips { 0.0 } else { by });
+                at += nalgebra::Rotation2::new(error) * piece / steps;
+                gone += piece.norm() / steps;
+                way.push(at);
+            }
+        }
+        way
+    }
+
+    /// Ways that turn back are seen along a line whose far end errors move by more than the line is long.
+    #[test]
+    fn no_likely_error_of_heading_takes_a_way_beyond_what_it_may_have_strayed() {
+        let ways: [&[[f64; 2]]; 5] = [
+            &[[0.0, 0.0], [20.0, 0.0]],
+            &[[0.0, 0.0], [8.0, 0.0], [8.0, 4.0], [16.0, 4.0]],
+            &[[0.0, 0.0], [20.0, 0.0], [20.0, 20.0]],
+            &[[0.0, 0.0], [20.0, 0.0], [20.0, 6.0], [0.0, 6.0]],
+            &[[0.0, 0.0], [25.0, 0.0], [25.0, 8.0], [8.0, 8.0]],
+        ];
+        for (which, corners) in ways.into_iter().enumerate() {
+            let told = bent(corners, 0.0, None);
+            for sigma in [0.01, 0.03, 0.06] {
+                let most = stray(&told, &told[told.len() - 1], sigma * sigma, 0.0, 5.0).unwrap();
+                for slips in [None, Some(0.2), Some(0.4), Some(0.6), Some(0.8)] {
+                    for by in [-2.5 * sigma, 2.5 * sigma] {
+                        let way = bent(corners, by, slips);
+                        let true_one = stray(&way, &way[way.len() - 1], 0.0, 0.0, 5.0).unwrap();
+                        assert!(true_one < most, "{which} {sigma} {slips:?} {by}: {true_one} {most}");
+                    }
+                }
+            }
+        }
+        assert_eq!(stray(&[], &Vector::x(), 0.0, 0.0, 5.0), None);
+        assert_eq!(stray(&[Vector::zeros()], &Vector::zeros(), 0.0, 0.0, 5.0), None);
+        assert_eq!(stray(&[Vector::new(0.0, f64::MAX), Vector::zeros()], &Vector::x(), 0.1, 0.0, 5.0), None);
+    }
 
     #[test]
     fn an_error_of_heading_moves_what_lies_ahead_sideways() {

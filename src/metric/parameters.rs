@@ -24,9 +24,6 @@ pub struct MetricParameters {
     /// is one place; behind a wall two corridors have a row of rooms between them. Where the trace shows a shorter
     /// travel, that length counts instead. To be lowered where corridors lie closer.
     pub separation: f64,
-    /// How near to the middle of a place, in metres, the robot may have passed by without coming to it. Default 1: passages as
-    /// wide as a robot needs, 1.1 m, have their middles farther apart, with no wall between them.
-    pub clearance: f64,
     /// How many metres of position a radian is worth where the least uncertain chain is looked for. Default 10. It
     /// chooses between chains, each of which is sound.
     pub lever: f64,
@@ -41,7 +38,6 @@ impl Default for MetricParameters {
             bearing_sigma: 3.0_f64.to_radians(),
             extent_sigma: 0.25,
             separation: 5.0,
-            clearance: 1.0,
             lever: 10.0,
         }
     }

@@ -3,12 +3,15 @@
 //! The robot went along each, and told the way. Between two places it strayed from the straight line by so much at most; so
 //! where two such strips cross from side to side, the ways within them have met (an arc that joins two opposite sides of a
 //! parallelogram meets every arc that joins the other two). On one floor ways meet at places alone, as the axiom of
-//! planarity has it of the map.
+//! planarity has it of the map. From where it starts in a place to the middle of it nothing else leads through.
 
 use crate::geometry::Pose;
 use crate::metric::bound::{Bound, Edge};
 use crate::metric::frames::Story;
 use std::collections::BTreeSet;
+
+/// Segments whose ends are nearer to each other than this are lines without a direction, metres.
+const SHORTEST: f64 = 1.0;
 
 /// A path segment, as first travelled.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,22 +49,28 @@ pub(super) struct Segments {
     pub(super) all: Vec<Segment>,
     /// The first visits, each with its place.
     pub(super) firsts: Vec<(usize, usize)>,
-    /// How near to a place a way may lead past it, metres.
+    /// How near to a place no way leads but to it, metres.
     pub(super) clearance: f64,
 }
 
 impl Segments {
     /// Those of a story whose ways the trace told, among first visits to places. No travel but a measured one leads to a visit
     /// after the first of these.
-    pub(super) fn new(story: &Story<'_>, firsts: &[usize]) -> Segments {
+    ///
+    /// A place is a neighbourhood, as wide as places are apart at least: who comes within half of that comes to it. The middles
+    /// of places are found to within so much on each visit.
+    pub(super) fn new(story: &Story<'_>, firsts: &[usize], separation: f64) -> Segments {
+        let parameters = story.parameters;
         let since = firsts.first().map_or(story.latest(), |&first| first);
-        let mut travelled = BTreeSet::new();
+        let mut known = BTreeSet::new();
         let mut segment = |visit: usize| {
             let mut ends = story.ends(visit)?;
             ends.sort_unstable();
-            let stray = story.stays[visit].travelled?.stray?;
+            let travelled = story.stays[visit].travelled?;
+            // Of a line that is shorter errors turn the ends around.
+            let stray = travelled.stray.filter(|_| travelled.length >= separation.min(SHORTEST))?;
             let visits = [visit - 1, visit];
-            travelled.insert(ends).then(|| Segment {
+            known.insert(ends).then(|| Segment {
                 visits,
                 places: visits.map(|visit| story.place(visit)),
                 stray,
@@ -70,7 +79,7 @@ impl Segments {
         Segments {
             all: (since + 1..=story.latest()).filter_map(&mut segment).collect(),
             firsts: firsts.iter().map(|&visit| (visit, story.place(visit))).collect(),
-            clearance: story.parameters.clearance,
+            clearance: separation / 2.0 - parameters.sigmas * parameters.extent_sigma,
         }
     }
 
@@ -122,12 +131,13 @@ impl Segments {
             Clear::Past { segment, visit, forwards } => {
                 let [from, to] = self.all[segment].visits;
                 let line = if forwards { [from, to] } else { [to, from] };
-                vec![Bound { edge: Edge::Past { line }, visit, by: 0.0 }]
+                // Next to its ends the robot is at other places, of which it is not told how far they reach.
+                vec![Bound { edge: Edge::Past { line }, visit, by: -self.clearance }]
             }
         }
     }
 
-    /// Whether the two have nothing to do with each other on the map.
+    /// Whether the two have nothing to do with each other on the map, and one can be in the way of the other on the floor.
     fn bears(&self, obstruction: &Obstruction) -> bool {
         match *obstruction {
             Obstruction::Crossing { one, other } => {

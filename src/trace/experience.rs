@@ -199,7 +199,7 @@ impl Here {
             start_given: given.is_some(),
             odometry,
             covariance,
-            shape: travel.trail(&odometry),
+            shape: way(travel, &odometry),
         })
     }
 
@@ -210,6 +210,12 @@ impl Here {
         let outward = star.slot(*slot).is_some_and(|s| s.outward.is_some());
         if outward { Ok(Some(*slot)) } else { Err(ExperienceError::TravelNotOutward(slot.0)) }
     }
+}
+
+/// The way that a travel went, in the frame of its odometry, from its beginning to its end; empty where it was not told.
+fn way(travel: &Travel, odometry: &Pose) -> Vec<Point> {
+    let told = travel.trail(odometry);
+    if told.is_empty() { told } else { [Point::origin()].into_iter().chain(told).collect() }
 }
 
 /// The outward slot whose bearing is nearest to a heading, within [`HEADING_TOLERANCE`].

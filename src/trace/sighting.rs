@@ -35,7 +35,8 @@ pub struct Motion {
     pub odometry: Pose,
     /// Covariance of the displacement, row-major x, y, theta.
     pub covariance: [f64; 9],
-    /// The way it went, points in the frame of the displacement, its end among them; empty where that was not told.
+    /// The way it went, points in the frame of the displacement, its beginning and its end among them; empty where that was not
+    /// told.
     pub shape: Vec<Point>,
 }
 

@@ -67,7 +67,6 @@ const PARAMETERS: &[Parameter] = &[
     ("metric.bearing_sigma", |p| &mut p.metric.bearing_sigma),
     ("metric.extent_sigma", |p| &mut p.metric.extent_sigma),
     ("metric.separation", |p| &mut p.metric.separation),
-    ("metric.clearance", |p| &mut p.metric.clearance),
     ("metric.lever", |p| &mut p.metric.lever),
 ];
 
