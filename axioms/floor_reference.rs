@@ -3,7 +3,7 @@
 
 use crate::measured_reference::Told;
 use nalgebra::Vector3;
-use topostar::geometry::{Point, Pose, Vector};
+use topostar::geometry::{Pose, Vector};
 
 /// A path segment as first travelled: the visits, their places, how far the robot strayed from the straight line between.
 #[derive(Clone, Debug)]
