@@ -293,3 +293,15 @@ fn candidates_fall_whose_places_have_no_room() {
     }
     assert!(crowded.load(Ordering::Relaxed) >= 4, "{crowded:?}");
 }
+
+/// What bears where errors lead may be more than what bears to first order, and take more than its gate where that does not: when
+/// the latter alone was asked, four candidates were left.
+#[test]
+fn a_branch_ends_by_what_bears_where_it_leads() {
+    let places = corridor_grid(4, 4, 10.0);
+    let trace = drifting_trace(&places, &covering_walk(&places, 50), Drift::WORST, 50).unwrap();
+    let mut seen = sightings(&trace.events);
+    seen.iter_mut().filter_map(|seen| seen.motion.as_mut()).for_each(|motion| motion.shape.clear());
+    let found = explain(&seen[..22], AxiomSet::of(Profile::Default));
+    assert_eq!(found.len(), 3);
+}

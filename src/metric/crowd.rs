@@ -22,7 +22,7 @@
 use crate::metric::conflicts::{Choice, Look, choice};
 use crate::metric::floor::{Apart, Clash, Floor};
 use crate::metric::layout::{Layout, Span};
-use crate::metric::profile::NEARER;
+use crate::metric::profile::{NEARER, Reached};
 use crate::metric::segments::Segments;
 use crate::metric::uncertainty::quantile;
 use crate::metric::witness::Witness;
@@ -127,8 +127,7 @@ impl Search<'_> {
     /// What there is beyond some choices. Where first order finds too much, or room for all, it is asked whether that is so.
     fn look(&mut self, chosen: &[Apart]) -> Look<Apart> {
         let solved = self.floor.solve(chosen);
-        let gate = self.layout.gate(solved.degrees());
-        if solved.chi_square <= gate {
+        if solved.chi_square <= self.layout.gate(solved.degrees()) {
             match self.floor.clash(&solved, chosen, None) {
                 Some(clash) => return self.next(&clash, chosen),
                 None if chosen.is_empty() => return self.open(self.layout, 0),
@@ -138,12 +137,13 @@ impl Search<'_> {
         if let Some(conflict) = self.conflict(&solved.bearing()) {
             return Look::Conflict(conflict);
         }
-        let Some(reached) = self.layout.to_reach(&self.floor.bounds(chosen, 1.0), gate) else {
-            return Look::Unknown;
-        };
+        let Some(reached) = self.reach(chosen, 1.0) else { return Look::Unknown };
+        if self.is_beyond(&reached) {
+            return Look::Conflict(self.found_out(chosen, &reached));
+        }
         match self.floor.clash(&solved, chosen, Some(&reached.layout.poses)) {
             Some(clash) => self.next(&clash, chosen),
-            None => self.open(&reached.layout, solved.degrees()),
+            None => self.open(&reached.layout, reached.bearing.len()),
         }
     }
 
@@ -178,6 +178,17 @@ impl Search<'_> {
         few
     }
 
+    /// Few of some that are found to take more than their gate together: those that bear where they lead may be more than first
+    /// order has.
+    fn found_out(&mut self, chosen: &[Apart], reached: &Reached) -> BTreeSet<Apart> {
+        let bearing = self.floor.bearing(chosen, reached);
+        if let Some(conflict) = self.conflict(&bearing) {
+            return conflict;
+        }
+        self.ended.insert(chosen.to_vec(), Some(self.crowd(&bearing, reached)));
+        chosen.iter().copied().collect()
+    }
+
     /// Whether some take more than their gate.
     fn ends(&mut self, chosen: &[Apart]) -> bool {
         if !self.ended.contains_key(chosen) {
@@ -193,11 +204,25 @@ impl Search<'_> {
         let gate = self.layout.gate(solved.degrees());
         let shares = NEARER.map(|gates| (gates * gate / solved.chi_square).sqrt());
         let mut shares = shares.into_iter().filter(|&share| share < 1.0).chain([1.0]);
-        let takes = |share| Some(self.layout.to_reach(&self.floor.bounds(chosen, share), gate)?.chi_square);
-        let takes = shares.find_map(|share| takes(share).filter(|&takes| takes > gate));
+        let reached =
+            shares.find_map(|share| self.reach(chosen, share).filter(|reached| self.is_beyond(reached)));
+        Some(self.crowd(chosen, &reached?))
+    }
+
+    /// What it takes to go a share of the way to where things are apart in some ways.
+    fn reach(&self, chosen: &[Apart], share: f64) -> Option<Reached> {
+        self.layout.to_reach(&self.floor.bounds(chosen, share), |bearing| self.layout.gate(bearing))
+    }
+
+    fn is_beyond(&self, reached: &Reached) -> bool {
+        reached.chi_square > self.layout.gate(reached.bearing.len())
+    }
+
+    fn crowd(&self, chosen: &[Apart], reached: &Reached) -> Crowd {
         let mut clashing: Vec<InTheWay> = chosen.iter().map(|apart| self.floor.otherwise(apart)).collect();
         // A side of a square and its part may both bear.
         clashing.dedup();
-        Some(Crowd { chi_square: takes?, gate, clashing })
+        let gate = self.layout.gate(reached.bearing.len());
+        Crowd { chi_square: reached.chi_square, gate, clashing }
     }
 }

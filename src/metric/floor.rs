@@ -9,7 +9,7 @@ use crate::metric::conflicts::Ways;
 use crate::metric::crowd::InTheWay;
 use crate::metric::layout::{Layout, Span};
 use crate::metric::leg::lever;
-use crate::metric::profile::{pulls, taken};
+use crate::metric::profile::{Reached, pulls, taken};
 use crate::metric::segments::{Clear, Segments};
 use crate::metric::sides::{Pair, Side, inner};
 use crate::metric::witness::Witness;
@@ -159,6 +159,14 @@ impl<'a> Floor<'a> {
             Bound { by: bound.by + (1.0 - share) * lacks, ..bound }
         };
         chosen.iter().flat_map(|&apart| self.bounds_of(apart)).map(nearer).collect()
+    }
+
+    /// Those of some that bear where all of them are reached, ascending.
+    pub(super) fn bearing(&self, chosen: &[Apart], reached: &Reached) -> Vec<Apart> {
+        let owners = chosen.iter().flat_map(|&apart| self.bounds_of(apart).into_iter().map(move |_| apart));
+        let owners: Vec<Apart> = owners.collect();
+        let bearing: BTreeSet<Apart> = reached.bearing.iter().map(|&bound| owners[bound]).collect();
+        bearing.into_iter().collect()
     }
 
     /// What would be in each other's way if this did not hold.

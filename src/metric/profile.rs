@@ -29,6 +29,8 @@ pub(super) const NEARER: [f64; 2] = [1.5, 3.0];
 pub(super) struct Reached {
     /// How much more chi-square that takes.
     pub(super) chi_square: f64,
+    /// Which of the bounds bear, by number, ascending.
+    pub(super) bearing: Vec<usize>,
     /// All visits laid out so.
     pub(super) layout: Layout,
 }
@@ -75,13 +77,13 @@ impl Layout {
     fn beyond(&self, side: &Side, gate: f64) -> Option<f64> {
         let before = NEARER.map(|gates| side.off + (gates * gate).sqrt() * side.sigma);
         let lines = before.into_iter().filter(|&by| by < side.bound.by).chain([side.bound.by]);
-        let mut reached = lines.map(|by| self.to_reach(&[Bound { by, ..side.bound }], gate));
+        let mut reached = lines.map(|by| self.to_reach(&[Bound { by, ..side.bound }], |_| gate));
         reached.find_map(|reached| Some(reached?.chi_square).filter(|&takes| takes > gate))
     }
 
-    /// What it takes at least to put visits within bounds. Where that is more than a gate, it is more after a shake too. `None`
-    /// where it is not found out.
-    pub(super) fn to_reach(&self, bounds: &[Bound], gate: f64) -> Option<Reached> {
+    /// What it takes at least to put visits within bounds. Where that is more than the gate of so many bounds as bear, it is more
+    /// after a shake too. `None` where it is not found out.
+    pub(super) fn to_reach(&self, bounds: &[Bound], gate: impl Fn(usize) -> f64) -> Option<Reached> {
         let mut layout = self.clone();
         let (least, _) = layout.chi_square();
         let (mut last, mut way, mut shaken): (Option<Step>, _, _) = (None, 1.0, false);
@@ -89,11 +91,12 @@ impl Layout {
             layout.solve()?;
             let conditions = Conditions::new(&layout, bounds)?;
             if round == 0 && conditions.misses.iter().all(|misses| *misses >= 0.0) {
-                return Some(Reached { chi_square: 0.0, layout });
+                return Some(Reached { chi_square: 0.0, bearing: Vec::new(), layout });
             }
             let pulls = pulls(&conditions.covariance, &conditions.misses);
             let (closing, _) = layout.chi_square();
             let chi_square = closing + taken(&conditions.covariance, &conditions.misses, &pulls) - least;
+            let bearing: Vec<usize> = (0..bounds.len()).filter(|&bound| pulls[bound] < 0.0).collect();
             let beside = conditions.linear.iter().zip(&pulls);
             let beside: Vec<_> = beside
                 .flat_map(|(linear, pull)| {
@@ -106,9 +109,9 @@ impl Layout {
             last = if left >= SETTLED {
                 layout.go(&ahead, way);
                 Some(Step { ahead, way })
-            } else if shaken || chi_square <= gate {
+            } else if shaken || chi_square <= gate(bearing.len()) {
                 layout.go(&ahead, 1.0);
-                return Some(Reached { chi_square, layout });
+                return Some(Reached { chi_square, bearing, layout });
             } else {
                 shaken = true;
                 layout.shake(SHAKE);
