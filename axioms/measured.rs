@@ -10,12 +10,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use topostar::abduction::{
     Abduction, Assignment, AxiomId, AxiomSet, Clash, Evidence, Limits, Profile, Proposal, Proposed, REGISTRY,
-    Visit, judge, proposed,
+    Refutation, Visit, judge, proposed,
 };
 use topostar::map::PlaceId;
 use topostar::metric::Measurements;
 use topostar::trace::{Event, Experience, Sighting, write_trace};
-use topostar::worlds::{Drift, corridor_grid, covering_walk, drifting_trace};
+use topostar::worlds::{
+    Detours, Drift, StarTrace, corridor_grid, covering_walk, drifting_trace, drifting_trace_by,
+};
 
 /// A walk through a grid with odometry of some quality, said to be better than it is.
 fn walks() -> impl Strategy<Value = Vec<Sighting>> {
@@ -212,22 +214,52 @@ fn the_true_map_is_never_refuted() {
         let walk = covering_walk(&places, 7000 + seed);
         let trace = drifting_trace(&places, &walk, Drift::WORST.scaled(by), 7000 + seed).unwrap();
         let seen = sightings(&trace.events);
-        let visits: Vec<Visit> = seen.iter().map(Visit::from).collect();
-        let measured = seen.iter().fold(Measurements::default(), |measured, seen| measured.with(seen));
-        let truth: Vec<Assignment> = trace
-            .truth
-            .iter()
-            .map(|&(place, rotation)| Assignment { place: PlaceId::new(place).unwrap(), rotation })
-            .collect();
-        let axioms = AxiomSet::of(Profile::Default);
-        let judged = judge(&visits, measured.evidence().as_deref(), axioms, &truth);
+        let truth = truth(&trace);
+        let judged = judged(&seen, &truth);
         assert!(judged.is_ok(), "{side} {seed} {by}: {judged:?}");
         if side == 4 && by < 1.0 {
-            let found = explain(&seen, axioms).report();
+            let found = explain(&seen, AxiomSet::of(Profile::Default)).report();
             preferred += usize::from(found.minimal.len() == 1 && found.minimal[0].visits == truth);
         }
     }
     assert_eq!(preferred, 12);
+}
+
+/// Nor where corridors do not lead straight, and out and back as far as four times the distance of two places; and what their ways
+/// tell refutes there too.
+#[test]
+fn the_true_map_of_corridors_with_detours_is_never_refuted() {
+    let (mut with, mut without) = (0, 0);
+    for (seed, by) in (0..16).flat_map(|seed| [(seed, 1.0), (seed, 0.5)]) {
+        let places = corridor_grid(4, 4, 10.0);
+        let detours = Detours::of_grid(&places, seed);
+        let walk = covering_walk(&places, seed);
+        let trace = drifting_trace_by(&places, &walk, Drift::WORST.scaled(by), seed, &detours).unwrap();
+        let mut seen = sightings(&trace.events);
+        let judged = judged(&seen, &truth(&trace));
+        assert!(judged.is_ok(), "{seed} {by}: {judged:?}");
+        let axioms = AxiomSet::of(Profile::Default);
+        if seed < 4 && by < 1.0 {
+            with += explain(&seen, axioms).len();
+            seen.iter_mut().filter_map(|seen| seen.motion.as_mut()).for_each(|motion| motion.shape.clear());
+            without += explain(&seen, axioms).len();
+        }
+    }
+    println!("{with} of {without} candidates with detours");
+    assert!(with < without, "{with} of {without}");
+}
+
+fn truth(trace: &StarTrace) -> Vec<Assignment> {
+    let assignment =
+        |&(place, rotation): &(usize, u8)| Assignment { place: PlaceId::new(place).unwrap(), rotation };
+    trace.truth.iter().map(assignment).collect()
+}
+
+/// What refutes a map by all axioms of the profile, if any does.
+fn judged(seen: &[Sighting], map: &[Assignment]) -> Result<(), Refutation> {
+    let visits: Vec<Visit> = seen.iter().map(Visit::from).collect();
+    let measured = seen.iter().fold(Measurements::default(), |measured, seen| measured.with(seen));
+    judge(&visits, measured.evidence().as_deref(), AxiomSet::of(Profile::Default), map).map(|_| ())
 }
 
 /// Measurements that count how often they refute since places and segments have no room beside all others.

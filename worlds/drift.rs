@@ -1,8 +1,9 @@
 //! Odometry that drifts: errors of heading and of length, some the same all the way, some new with every metre.
 
-use crate::geometry::{Pose, bearing, wrap_angle};
+use crate::geometry::{Point, Pose, Vector, bearing, direction, wrap_angle};
 use crate::trace::event::Travel;
 use crate::worlds::random::Random;
+use nalgebra::{Matrix3, Vector3};
 
 /// How badly wheel odometry drifts. All are standard deviations.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,17 +70,43 @@ impl Odometer {
         Odometer { drift, random, heading, length }
     }
 
-    /// What it tells of a turn on the spot by an angle, and then of a straight way to a pose, given in the frame of the
-    /// robot as it has turned, where it turns to its heading on arrival. `from_pose` is where the robot believes to
-    /// start, in the frame in which it stood unturned.
-    pub fn travel(&mut self, turned: f64, end: &Pose) -> Travel {
+    /// What it tells of a turn on the spot by an angle, and then of a way by straight pieces to a pose, where it turns to its
+    /// heading on arrival. The pose and the corners, at which it turns on the spot, are given in the frame of the robot as it has
+    /// turned. `from_pose` is where the robot believes to start, in the frame in which it stood unturned.
+    pub fn travel(&mut self, turned: f64, corners: &[Point], end: &Pose) -> Travel {
         let believed = turned + self.turning(turned);
-        let length = end.x.hypot(end.y);
-        let way = bearing(&end.position().coords);
+        let (mut here, mut way) = (Point::origin(), None);
+        let mut at = Pose::IDENTITY;
+        let mut shape = vec![[0.0, 0.0]];
+        let mut pieces = Vec::new();
+        for to in corners.iter().copied().chain([end.position()]) {
+            let ahead = bearing(&(to - here));
+            // The first piece begins where it was turned to.
+            let turn = way.map_or(turned, |way| wrap_angle(ahead - way));
+            at.theta += if way.is_some() { turn + self.turning(turn) } else { ahead };
+            let before = at.position();
+            at = self.straight(at, (to - here).norm(), &mut shape);
+            pieces.push(Piece {
+                turned: turn,
+                length: (to - here).norm(),
+                way: bearing(&(at.position() - before)),
+            });
+            (here, way) = (to, Some(ahead));
+        }
+        // The frame at the start is the one believed; the way is measured in it.
+        let heading = at.theta + wrap_angle(end.theta - way.unwrap_or_default());
+        Travel {
+            odometry: Some(Pose::new(at.x, at.y, heading)),
+            covariance: Some(self.drift.covariance(&pieces)),
+            from_pose: Some(Pose::new(0.0, 0.0, believed)),
+            shape,
+        }
+    }
+
+    /// Where it believes to be after a straight piece of way, whose points it adds to the shape.
+    fn straight(&mut self, mut at: Pose, length: f64, shape: &mut Vec<[f64; 2]>) -> Pose {
         let steps = (length / STEP).ceil().max(1.0);
         let step = length / steps;
-        let mut at = Pose::new(0.0, 0.0, way);
-        let mut shape = vec![[0.0, 0.0]];
         for _ in 0..steps as usize {
             let gained = self.heading * step + self.drift.heading_noise * step.sqrt() * self.random.normal();
             let gone =
@@ -87,14 +114,7 @@ impl Odometer {
             at = at.compose(&Pose::new(gone * (gained / 2.0).cos(), gone * (gained / 2.0).sin(), gained));
             shape.push([at.x, at.y]);
         }
-        // The frame at the start is the one believed; the way is measured in it.
-        let odometry = Pose::new(at.x, at.y, at.theta + wrap_angle(end.theta - way));
-        Travel {
-            odometry: Some(odometry),
-            covariance: Some(self.drift.covariance(turned, length, bearing(&odometry.position().coords))),
-            from_pose: Some(Pose::new(0.0, 0.0, believed)),
-            shape,
-        }
+        at
     }
 
     /// The bearing of a slot as it is seen.
@@ -108,31 +128,58 @@ impl Odometer {
     }
 }
 
+/// A straight piece of a way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Piece {
+    /// The turn on the spot that it begins with, radians.
+    turned: f64,
+    /// Metres.
+    length: f64,
+    /// Its direction, in the frame of the displacement.
+    way: f64,
+}
+
 impl Drift {
-    /// The covariance of a displacement by a straight way of a length, in a direction, after a turn: row-major x, y,
-    /// theta. The error of the turn counts as one of the displacement, which starts with a wrong heading.
-    pub fn covariance(&self, turned: f64, length: f64, way: f64) -> [f64; 9] {
-        let along = (self.length_bias * length).powi(2) + self.length_noise.powi(2) * length;
-        let turn = (self.turn_noise * turned).powi(2);
-        let (bias, noise) = (self.heading_bias.powi(2), self.heading_noise.powi(2));
-        // Heading gained evenly over the way moves its end aside by half of what it would at its beginning.
-        let heading = bias * length.powi(2) + noise * length + turn;
-        let both = bias * length.powi(3) / 2.0 + noise * length.powi(2) / 2.0 + turn * length;
-        let aside = bias * length.powi(4) / 4.0 + noise * length.powi(3) / 3.0 + turn * length.powi(2);
-        let (sin, cos) = way.sin_cos();
-        let xy = (along - aside) * sin * cos;
-        [
-            along * cos * cos + aside * sin * sin,
-            xy,
-            -both * sin,
-            xy,
-            along * sin * sin + aside * cos * cos,
-            both * cos,
-            -both * sin,
-            both * cos,
-            heading,
-        ]
+    /// The covariance of a displacement by a way of straight pieces: row-major x, y, theta. The errors of turns count as
+    /// errors of the displacement, the first of which starts with a wrong heading; those that are the same all the way add up
+    /// over its pieces.
+    fn covariance(&self, pieces: &[Piece]) -> [f64; 9] {
+        let (mut new, mut heading, mut length) = (Matrix3::zeros(), Vector3::zeros(), Vector3::zeros());
+        for piece in pieces {
+            let carried = carried(&(direction(piece.way) * piece.length));
+            let turned = rotation(piece.way);
+            new = carried * new * carried.transpose() + turned * self.new_errors(piece) * turned.transpose();
+            // Heading gained evenly over a piece moves its end aside by half of what it would at its beginning.
+            let gained = Vector3::new(0.0, piece.length.powi(2) / 2.0, piece.length) * self.heading_bias;
+            heading = carried * heading + turned * gained;
+            length = carried * length + turned * Vector3::new(self.length_bias * piece.length, 0.0, 0.0);
+        }
+        let covariance = new + heading * heading.transpose() + length * length.transpose();
+        std::array::from_fn(|k| covariance[(k / 3, k % 3)])
     }
+
+    /// The covariance of what is new on a piece, at its end and along it.
+    fn new_errors(&self, piece: &Piece) -> Matrix3<f64> {
+        let length = piece.length;
+        let turn = (self.turn_noise * piece.turned).powi(2);
+        let noise = self.heading_noise.powi(2);
+        let along = self.length_noise.powi(2) * length;
+        let aside = noise * length.powi(3) / 3.0 + turn * length.powi(2);
+        let both = noise * length.powi(2) / 2.0 + turn * length;
+        let heading = noise * length + turn;
+        Matrix3::new(along, 0.0, 0.0, 0.0, aside, both, 0.0, both, heading)
+    }
+}
+
+/// How errors at one point are errors at another, that far beyond it.
+fn carried(by: &Vector) -> Matrix3<f64> {
+    Matrix3::new(1.0, 0.0, -by.y, 0.0, 1.0, by.x, 0.0, 0.0, 1.0)
+}
+
+/// The rotation of x and y by an angle.
+fn rotation(angle: f64) -> Matrix3<f64> {
+    let (sin, cos) = angle.sin_cos();
+    Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0)
 }
 
 #[cfg(test)]
@@ -145,7 +192,7 @@ mod tests {
         let mut odometer = Odometer::new(Drift::WORST, seed);
         let mut believed = Pose::IDENTITY;
         for side in [80.0, 25.0, 80.0, 25.0] {
-            let travel = odometer.travel(FRAC_PI_2, &Pose::new(side, 0.0, 0.0));
+            let travel = odometer.travel(FRAC_PI_2, &[], &Pose::new(side, 0.0, 0.0));
             believed = believed.compose(&travel.from_pose.unwrap()).compose(&travel.odometry.unwrap());
         }
         believed.x.hypot(believed.y)
@@ -170,24 +217,33 @@ mod tests {
         assert!(as_bad * 10 > left.len() * 4, "{as_bad} of {}", left.len());
     }
 
+    /// Straight, around a corner, and out and back beside itself.
     #[test]
     fn the_covariance_is_that_of_the_errors() {
-        let (turned, end) = (FRAC_PI_2, Pose::new(6.0, 8.0, 0.3));
-        let mut sum = nalgebra::Matrix3::zeros();
+        let end = Pose::new(6.0, 8.0, 0.3);
+        let corners: [&[[f64; 2]]; 3] =
+            [&[], &[[6.0, 0.0]], &[[0.0, 30.0], [3.0, 30.0], [3.0, 2.0], [6.0, 2.0]]];
+        for corners in corners {
+            let corners: Vec<Point> = corners.iter().map(|&[x, y]| Point::new(x, y)).collect();
+            let off = off(FRAC_PI_2, &corners, &end);
+            assert!(off.amax() < 0.1, "{corners:?} {off}");
+        }
+    }
+
+    /// How far the covariance of errors is from what is said, weighed by each other's spread, so that metres and radians count
+    /// alike.
+    fn off(turned: f64, corners: &[Point], end: &Pose) -> Matrix3<f64> {
+        let (mut found, mut said) = (Matrix3::zeros(), Matrix3::zeros());
         let runs = 4000;
         for seed in 0..runs {
-            let travel = Odometer::new(Drift::WORST, seed).travel(turned, &end);
+            let travel = Odometer::new(Drift::WORST, seed).travel(turned, corners, end);
             let start = Pose::new(0.0, 0.0, travel.from_pose.unwrap().theta - turned);
-            let found = start.compose(&travel.odometry.unwrap());
-            let off =
-                nalgebra::Vector3::new(found.x - end.x, found.y - end.y, wrap_angle(found.theta - end.theta));
-            sum += off * off.transpose() / runs as f64;
+            let led = start.compose(&travel.odometry.unwrap());
+            let off = Vector3::new(led.x - end.x, led.y - end.y, wrap_angle(led.theta - end.theta));
+            found += off * off.transpose() / runs as f64;
+            said += Matrix3::from_row_slice(&travel.covariance.unwrap()) / runs as f64;
         }
-        let said = Drift::WORST.covariance(turned, 10.0, 0.8_f64.atan2(0.6));
-        let said = nalgebra::Matrix3::from_row_slice(&said);
-        // Weighed by each other's spread, so that metres and radians count alike.
         let root = said.diagonal().map(f64::sqrt);
-        let off = (sum - said).component_div(&(root * root.transpose()));
-        assert!(off.amax() < 0.1, "{off}");
+        (found - said).component_div(&(root * root.transpose()))
     }
 }

@@ -11,6 +11,7 @@ mod random;
 mod shapes;
 mod walk;
 pub mod corridor_grid;
+pub mod detours;
 pub mod drawing;
 pub mod drift;
 pub mod drive;
@@ -22,12 +23,13 @@ pub mod views;
 pub mod world;
 
 pub use corridor_grid::{corridor_grid, covering_walk};
+pub use detours::Detours;
 pub use drift::{Drift, Odometer};
 pub use drive::{Explorer, drive};
 pub use loader::{WorldError, load};
 pub use picture::picture;
 pub use rendering::{LpmTrace, lpm_trace};
-pub use simulator::{StarTrace, drifting_trace, star_trace};
+pub use simulator::{StarTrace, drifting_trace, drifting_trace_by, star_trace};
 pub use views::{Naming, ViewTrace, view_trace};
 pub use world::{Exit, Expectation, Minimal, Place, PlaceSlot, SlotRef, Truth, Visit, Walk, World};
 

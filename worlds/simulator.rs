@@ -1,8 +1,9 @@
 //! Walks through a world as traces of bare stars, with the true map beside them.
 
-use crate::geometry::{Pose, wrap_angle};
+use crate::geometry::{Point, Pose, wrap_angle};
 use crate::star::{Slot, SlotIndex, SmallScaleStar, StarError};
 use crate::trace::event::{Event, EventKind, Observation, Percept, Turn, TurnTarget};
+use crate::worlds::detours::Detours;
 use crate::worlds::drift::{Drift, Odometer};
 use crate::worlds::random::Random;
 use crate::worlds::world::{Place, Visit, Walk, World, numbered};
@@ -49,13 +50,25 @@ const ASTRAY: f64 = 0.4;
 /// How far its heading is from that of the path it came by, radians at most.
 const ASKEW: f64 = 0.1;
 
-/// A walk through places as the stars seen on it, with the bearings of their slots, and odometry that drifts. Each
-/// frame is the robot's pose on arrival, somewhere in the place and about in the direction of its path.
+/// A walk through places as the stars seen on it, with the bearings of their slots, and odometry that drifts, along
+/// corridors that lead straight from place to place. Each frame is the robot's pose on arrival, somewhere in the place and
+/// about in the direction of its path.
 pub fn drifting_trace(
     places: &[Place],
     walk: &Walk,
     drift: Drift,
     seed: u64,
+) -> Result<StarTrace, StarError> {
+    drifting_trace_by(places, walk, drift, seed, &Detours::default())
+}
+
+/// As [`drifting_trace`], where corridors may lead by way of corners.
+pub fn drifting_trace_by(
+    places: &[Place],
+    walk: &Walk,
+    drift: Drift,
+    seed: u64,
+    detours: &Detours,
 ) -> Result<StarTrace, StarError> {
     let mut random = Random::new(seed);
     let mut odometer = Odometer::new(drift, random.bits());
@@ -82,7 +95,9 @@ pub fn drifting_trace(
             push(&mut events, EventKind::Turn(Turn { target, angle: None }));
         }
         let start = Pose::new(arrival.x, arrival.y, arrival.theta + turned);
-        let travel = odometer.travel(turned, &start.inverse().compose(next));
+        let corners = detours.corners(visit.place, departure).iter();
+        let corners: Vec<Point> = corners.map(|corner| start.inverse().transform_point(corner)).collect();
+        let travel = odometer.travel(turned, &corners, &start.inverse().compose(next));
         push(&mut events, EventKind::Travel(Box::new(travel)));
     }
     Ok(StarTrace { events, truth: truth.iter().map(|seen| seen.assigned).collect() })

@@ -2,15 +2,27 @@
 
 use topostar::metric::Measurements;
 use topostar::trace::{Experience, Sighting};
-use topostar::worlds::{Drift, StarTrace, corridor_grid, covering_walk, drifting_trace};
+use topostar::worlds::{Detours, Drift, StarTrace, corridor_grid, covering_walk, drifting_trace_by};
 
 /// Metres from place to place.
 pub(crate) const SPACING: f64 = 10.0;
 
+/// How the corridors of a grid lead.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Corridors {
+    Straight,
+    /// Aside and back, on the rim far out.
+    Detours,
+}
+
 /// The trace of a walk that comes by every place of a square grid.
-pub(crate) fn drifting_walk(side: usize, seed: u64, drift: Drift) -> StarTrace {
+pub(crate) fn drifting_walk(side: usize, corridors: Corridors, seed: u64, drift: Drift) -> StarTrace {
     let places = corridor_grid(side, side, SPACING);
-    drifting_trace(&places, &covering_walk(&places, seed), drift, seed).unwrap()
+    let detours = match corridors {
+        Corridors::Straight => Detours::default(),
+        Corridors::Detours => Detours::of_grid(&places, seed),
+    };
+    drifting_trace_by(&places, &covering_walk(&places, seed), drift, seed, &detours).unwrap()
 }
 
 /// What is seen on a trace, each with the measurements so far.

@@ -4,12 +4,13 @@
 //! that a search keeps it: no limit comes in between. Some walks are searched as well, as far as a limit on candidates
 //! lets it. `cargo xtask evaluate [WALKS [SEED]]` runs it: 1000 walks from seed 0 unless told otherwise, with
 //! odometry as bad as the worst, with errors as large that are all the same on all metres or all new on every one, and
-//! with errors a fifth as large.
+//! with errors a fifth as large; and in corridors with detours.
 
 #![allow(clippy::unwrap_used, reason = "an evaluation ends where something is wrong")]
 
 mod drifting;
 
+use drifting::Corridors::{Detours, Straight};
 use drifting::{SPACING, drifting_walk, sightings};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use std::collections::BTreeMap;
@@ -56,17 +57,24 @@ fn main() {
         ("as bad, all of it new on every metre", own),
         ("a fifth of that", Drift::WORST.scaled(0.2)),
     ];
-    for (side, share, every) in [(4, walks - walks / 2, SEARCHED), (6, walks / 2, 10 * SEARCHED)] {
-        for (name, drift) in drifts {
-            let start = Instant::now();
-            let outcomes: Vec<Outcome> = (from..from + share)
-                .into_par_iter()
-                .map(|seed| Outcome::of(side, seed, drift, seed.is_multiple_of(every)))
-                .collect();
-            println!("\n{side}x{side} places, corridors of {SPACING} m, odometry {name}\n  {drift:?}");
-            print(&outcomes, start.elapsed().as_secs_f64());
-            sound &= outcomes.iter().all(|outcome| outcome.refuted.is_none());
-        }
+    let (small, large) = (walks - walks / 2, walks / 2);
+    let of = |side, corridors, share, every| drifts.map(|drift| (side, corridors, share, every, drift));
+    let straight = [of(4, Straight, small, SEARCHED), of(6, Straight, large, 10 * SEARCHED)].concat();
+    // A way five times as long as the line between two places drifts as much more.
+    let half = ("half as bad as the worst", Drift::WORST.scaled(0.5));
+    let detours = [drifts[0], half].map(|drift| (4, Detours, small, 10 * SEARCHED, drift));
+    for (side, corridors, share, every, (name, drift)) in [straight, detours.into()].concat() {
+        let start = Instant::now();
+        let outcomes: Vec<Outcome> = (from..from + share)
+            .into_par_iter()
+            .map(|seed| {
+                Outcome::of(&drifting_walk(side, corridors, seed, drift), seed, seed.is_multiple_of(every))
+            })
+            .collect();
+        let led = if corridors == Detours { ", with detours" } else { "" };
+        println!("\n{side}x{side} places, corridors of {SPACING} m{led}, odometry {name}\n  {drift:?}");
+        print(&outcomes, start.elapsed().as_secs_f64());
+        sound &= outcomes.iter().all(|outcome| outcome.refuted.is_none());
     }
     std::process::exit(if sound { 0 } else { 1 });
 }
@@ -96,10 +104,9 @@ struct Found {
 }
 
 impl Outcome {
-    fn of(side: usize, seed: u64, drift: Drift, search: bool) -> Outcome {
-        let trace = drifting_walk(side, seed, drift);
-        let truth = truth(&trace);
-        let sightings = sightings(&trace);
+    fn of(trace: &StarTrace, seed: u64, search: bool) -> Outcome {
+        let truth = truth(trace);
+        let sightings = sightings(trace);
         let visits: Vec<Visit> = sightings.iter().map(|(seen, _)| Visit::from(seen)).collect();
         let evidence = sightings.last().and_then(|(_, measured)| measured.evidence());
         let judged = judge(&visits, evidence.as_deref(), AxiomSet::of(Profile::Default), &truth);

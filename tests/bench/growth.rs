@@ -58,7 +58,8 @@ fn main() {
 type Seen = (Visit, Option<Arc<dyn Evidence>>);
 
 fn measured_walk(side: usize) -> Vec<Seen> {
-    let seen = drifting::sightings(&drifting::drifting_walk(side, 0, Drift::WORST));
+    let seen =
+        drifting::sightings(&drifting::drifting_walk(side, drifting::Corridors::Straight, 0, Drift::WORST));
     seen.into_iter().map(|(seen, measured)| (Visit::from(&seen), measured.evidence())).collect()
 }
 
