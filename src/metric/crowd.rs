@@ -137,13 +137,16 @@ impl Search<'_> {
         if let Some(conflict) = self.conflict(&solved.bearing()) {
             return Look::Conflict(conflict);
         }
-        let Some(reached) = self.reach(chosen, 1.0) else { return Look::Unknown };
-        if self.is_beyond(&reached) {
-            return Look::Conflict(self.found_out(chosen, &reached));
+        let reached = self.reach(chosen, 1.0);
+        if let Some(reached) = reached.as_ref().filter(|reached| self.is_beyond(reached)) {
+            return Look::Conflict(self.found_out(chosen, reached));
         }
-        match self.floor.clash(&solved, chosen, Some(&reached.layout.poses)) {
-            Some(clash) => self.next(&clash, chosen),
-            None => self.open(&reached.layout, reached.bearing.len()),
+        // Where errors do not come to rest they may with more chosen.
+        let poses = reached.as_ref().map(|reached| reached.layout.poses.as_slice());
+        match (self.floor.clash(&solved, chosen, poses), reached) {
+            (Some(clash), _) => self.next(&clash, chosen),
+            (None, Some(reached)) => self.open(&reached.layout, reached.bearing.len()),
+            (None, None) => Look::Unknown,
         }
     }
 
