@@ -20,7 +20,7 @@
 //! (`cargo xtask evaluate`).
 
 use crate::metric::conflicts::{Choice, Look, choice};
-use crate::metric::floor::{Apart, Clash, Floor};
+use crate::metric::floor::{Apart, Floor};
 use crate::metric::layout::{Layout, Span};
 use crate::metric::profile::{NEARER, Reached};
 use crate::metric::segments::Segments;
@@ -129,7 +129,7 @@ impl Search<'_> {
         let solved = self.floor.solve(chosen);
         if solved.chi_square <= self.layout.gate(solved.degrees()) {
             match self.floor.clash(&solved, chosen, None) {
-                Some(clash) => return self.next(&clash, chosen),
+                Some(ways) => return Look::Next(ways),
                 None if chosen.is_empty() => return self.open(self.layout, 0),
                 None => {}
             }
@@ -144,7 +144,7 @@ impl Search<'_> {
         // Where errors do not come to rest they may with more chosen.
         let poses = reached.as_ref().map(|reached| reached.layout.poses.as_slice());
         match (self.floor.clash(&solved, chosen, poses), reached) {
-            (Some(clash), _) => self.next(&clash, chosen),
+            (Some(ways), _) => Look::Next(ways),
             (None, Some(reached)) => self.open(&reached.layout, reached.bearing.len()),
             (None, None) => Look::Unknown,
         }
@@ -155,10 +155,6 @@ impl Search<'_> {
         let (least, _) = self.layout.chi_square();
         self.witness = self.floor.witness(found, least, self.layout.gate(bearing));
         if self.witness.is_some() { Look::Open } else { Look::Unknown }
-    }
-
-    fn next(&self, clash: &Clash, chosen: &[Apart]) -> Look<Apart> {
-        self.floor.ways(clash, chosen).map_or(Look::Unknown, Look::Next)
     }
 
     /// Few of some that take more than their gate together, also where first order does not hold.

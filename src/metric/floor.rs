@@ -28,13 +28,6 @@ pub(super) enum Apart {
     Clear(Clear),
 }
 
-/// Two things on one spot.
-pub(super) enum Clash {
-    Places(Pair),
-    /// The ways out of it, what takes least first.
-    Obstructed(Vec<Clear>),
-}
-
 /// Places and segments on one floor.
 pub(super) struct Floor<'a> {
     layout: &'a Layout,
@@ -112,15 +105,20 @@ impl<'a> Floor<'a> {
         Solved { chi_square, bearing: bearing.map(|(_, condition)| condition).collect(), root, twists }
     }
 
-    /// Two things on one spot, if any two are, where all lie as `poses` say or, without these, as they do to first order: of all
-    /// those that take most to come apart, as they end most branches. Not those that were chosen to be apart as far as can be
-    /// said.
-    pub(super) fn clash(&self, solved: &Solved, chosen: &[Apart], poses: Option<&[Pose]>) -> Option<Clash> {
+    /// What is to hold of two things on one spot, if any two are, where all lie as `poses` say or, without these, as they do to
+    /// first order: one of these ways, what takes least first. Of all those that take most to come apart, as they end most
+    /// branches; not those that were chosen to be apart as far as can be said.
+    pub(super) fn clash(
+        &self,
+        solved: &Solved,
+        chosen: &[Apart],
+        poses: Option<&[Pose]>,
+    ) -> Option<Ways<Apart>> {
         let moved = self.moved(solved);
         let poses = poses.unwrap_or(&moved);
         let pairs = self.pairs(poses, chosen).into_iter().map(|pair| {
             let pair = Pair { open: self.left_open(solved, pair.span), ..pair };
-            (pair.takes(self.separation), Clash::Places(pair))
+            (pair.takes(self.separation), self.sides(&pair, chosen))
         });
         let settled = |ways: &[Clear; 4]| ways.iter().any(|way| chosen.contains(&Apart::Clear(*way)));
         let obstructions = self.segments.obstructions(poses, MET).into_iter();
@@ -128,28 +126,10 @@ impl<'a> Floor<'a> {
         let obstructed = ways.map(|ways| {
             let mut ways = ways.map(|way| (self.takes(way, solved, poses), way));
             ways.sort_by(|a, b| a.0.total_cmp(&b.0));
-            (ways[0].0, Clash::Obstructed(ways.map(|(_, way)| way).into()))
+            let parts = ways.iter().map(|(_, way)| Apart::Clear(*way)).collect();
+            (ways[0].0, Ways { whole: None, parts })
         });
-        pairs.chain(obstructed).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, clash)| clash)
-    }
-
-    /// What is to hold of two things on one spot, one of these, what takes least first. None where what was chosen says all there
-    /// is to say.
-    pub(super) fn ways(&self, clash: &Clash, chosen: &[Apart]) -> Option<Ways<Apart>> {
-        let pair = match clash {
-            Clash::Obstructed(ways) => {
-                return Some(Ways { whole: None, parts: ways.iter().copied().map(Apart::Clear).collect() });
-            }
-            Clash::Places(pair) => pair,
-        };
-        let side = |apart: &Apart| match apart {
-            Apart::Beyond(side) if side.span() == pair.span => Some(*side),
-            _ => None,
-        };
-        // A part is chosen after its whole.
-        let known = chosen.iter().rev().find_map(side);
-        let parts = pair.ways(known, self.separation)?;
-        Some(Ways { whole: known.map(Apart::Beyond), parts: parts.into_iter().map(Apart::Beyond).collect() })
+        pairs.chain(obstructed).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, ways)| ways)
     }
 
     /// What it is to be apart in some ways, as bounds, each nearer by the rest of a share of what lacks to it.
@@ -186,6 +166,16 @@ impl<'a> Floor<'a> {
     /// Errors with which all have room, if these have it, within a gate over the least.
     pub(super) fn witness(&self, found: &Layout, least: f64, gate: f64) -> Option<Witness> {
         Witness::new(found, self.segments, inner(self.separation), least, gate)
+    }
+
+    /// The sides that the later of two visits may be beyond: of a square or, where one of these was chosen, the parts of it.
+    fn sides(&self, pair: &Pair, chosen: &[Apart]) -> Ways<Apart> {
+        let whole = chosen.iter().find_map(|apart| match apart {
+            Apart::Beyond(side) if side.span() == pair.span => Some(*side),
+            _ => None,
+        });
+        let parts = pair.ways(whole, self.separation);
+        Ways { whole: whole.map(Apart::Beyond), parts: parts.into_iter().map(Apart::Beyond).collect() }
     }
 
     fn bounds_of(&self, apart: Apart) -> Vec<Bound> {

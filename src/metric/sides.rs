@@ -85,15 +85,14 @@ impl Pair {
     }
 
     /// What the later visit may be beyond, what takes least first: a side of the square or, where one of these was chosen, a part
-    /// of it. None where a part was: more sides tell nothing then.
-    pub(super) fn ways(&self, chosen: Option<Side>, radius: f64) -> Option<Vec<Side>> {
-        let mut parts: Vec<Side> = match chosen {
+    /// of it.
+    pub(super) fn ways(&self, chosen: Option<Side>, radius: f64) -> Vec<Side> {
+        let mut ways: Vec<Side> = match chosen {
             None => self.around(COARSE).collect(),
-            Some(side) if side.is_fine() => return None,
             Some(side) => side.parts().collect(),
         };
-        parts.sort_by(|a, b| self.beyond(*a, radius).total_cmp(&self.beyond(*b, radius)));
-        Some(parts)
+        ways.sort_by(|a, b| self.beyond(*a, radius).total_cmp(&self.beyond(*b, radius)));
+        ways
     }
 
     /// The sides of a polygon around the earlier visit.
