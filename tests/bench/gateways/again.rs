@@ -2,6 +2,7 @@
 
 use crate::aces;
 use crate::maps;
+use rayon::prelude::*;
 use topostar::geometry::{Point, Pose, Vector, wrap_angle};
 use topostar::sensor::LaserScan;
 use topostar::star::{PerceptionParameters, PlaceDescription, Rejected, describe, rejected};
@@ -47,7 +48,8 @@ pub(super) fn print() {
     println!("\nplaces of recorded logs that are seen again, each log laid on the raster {LAYINGS} times");
     for name in ["aces", "mit-csail", "fr079"] {
         let scans = aces::scans(name);
-        let layings: Vec<Vec<Look>> = (0..LAYINGS).map(|k| looks(&scans, f64::from(k) * TURNED)).collect();
+        let turns: Vec<f64> = (0..LAYINGS).map(|k| f64::from(k) * TURNED).collect();
+        let layings: Vec<Vec<Look>> = turns.par_iter().map(|&turn| looks(&scans, turn)).collect();
         let (mut causes, mut doubtful) = ([0; CAUSES.len()], [0; MARGINS.len()]);
         let (mut visits, mut alike, mut repeats) = (0, 0, 0);
         for laying in &layings {
