@@ -225,8 +225,8 @@ fn the_true_map_is_never_refuted() {
     assert_eq!(preferred, 12);
 }
 
-/// Nor where corridors do not lead straight, and out and back as far as four times the distance of two places; and what their ways
-/// tell refutes there too.
+/// Nor where corridors do not lead straight, and on the rim are up to five times as long as the line between two places; and what
+/// their ways tell refutes there too.
 #[test]
 fn the_true_map_of_corridors_with_detours_is_never_refuted() {
     let (mut with, mut without) = (0, 0);
@@ -335,5 +335,6 @@ fn a_branch_ends_by_what_bears_where_it_leads() {
     let mut seen = sightings(&trace.events);
     seen.iter_mut().filter_map(|seen| seen.motion.as_mut()).for_each(|motion| motion.shape.clear());
     let found = explain(&seen[..22], AxiomSet::of(Profile::Default));
-    assert_eq!(found.len(), 3);
+    let truth = truth(&trace);
+    assert!(found.len() <= 3 && found.candidates().any(|candidate| candidate.visits == truth[..22]));
 }

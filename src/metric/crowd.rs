@@ -8,8 +8,8 @@
 //! That two places lie apart is that one lies beyond a side of a polygon around the other ([`crate::metric::sides`]), that two
 //! segments do not cross that both ends of one lie on one side of the other: one condition of several, or a few (disjunctive
 //! programming, Balas 1979). Branch and bound (Land and Doig 1960): least squares under the conditions chosen so far
-//! ([`crate::metric::floor`]); if that takes more chi-square than their gate, by the profile of the likelihood too
-//! ([`crate::metric::profile`]), the branch ends; else what may hold of two things on one spot comes next. If no two
+//! ([`crate::metric::floor`]); if that takes more chi-square than their gate by the profile of the likelihood
+//! ([`crate::metric::profile`]), of those that bear to first order or where errors lead, the branch ends; else what may hold of two things on one spot comes next. If no two
 //! are, and errors within the gate are found with which that is so, all have room.
 //!
 //! What ends a branch is kept as a conflict, of as few conditions as it takes ([`crate::metric::conflicts`]).
@@ -138,8 +138,11 @@ impl Search<'_> {
             return Look::Conflict(conflict);
         }
         let reached = self.reach(chosen, 1.0);
-        if let Some(reached) = reached.as_ref().filter(|reached| self.is_beyond(reached)) {
-            return Look::Conflict(self.found_out(chosen, reached));
+        // What bears where errors lead may be more than first order has.
+        if let Some(reached) = reached.as_ref().filter(|reached| self.is_beyond(reached))
+            && let Some(conflict) = self.conflict(&self.floor.bearing(chosen, reached))
+        {
+            return Look::Conflict(conflict);
         }
         // Where errors do not come to rest they may with more chosen.
         let poses = reached.as_ref().map(|reached| reached.layout.poses.as_slice());
@@ -177,17 +180,6 @@ impl Search<'_> {
         few
     }
 
-    /// Few of some that are found to take more than their gate together: those that bear where they lead may be more than first
-    /// order has.
-    fn found_out(&mut self, chosen: &[Apart], reached: &Reached) -> BTreeSet<Apart> {
-        let bearing = self.floor.bearing(chosen, reached);
-        if let Some(conflict) = self.conflict(&bearing) {
-            return conflict;
-        }
-        self.ended.insert(chosen.to_vec(), Some(self.crowd(&bearing, reached)));
-        chosen.iter().copied().collect()
-    }
-
     /// Whether some take more than their gate.
     fn ends(&mut self, chosen: &[Apart]) -> bool {
         if !self.ended.contains_key(chosen) {
@@ -197,7 +189,7 @@ impl Search<'_> {
     }
 
     /// What it takes at least to have things apart in some ways, if that is more than their gate. Near bounds are found where those
-    /// far out are not.
+    /// far out are not, and have the gate of those of them that bear: what is beyond a bound is beyond every one before it.
     fn beyond(&self, chosen: &[Apart]) -> Option<Crowd> {
         let solved = self.floor.solve(chosen);
         let gate = self.layout.gate(solved.degrees());

@@ -13,7 +13,9 @@
 //!
 //! The bounds, once for all: a true map is refuted only where some error exceeds its gate
 //! ([`MetricParameters`]), whatever share of the errors is the same on all travels (a wheel larger than the other, a
-//! wrong scale) and not new on each, as long as that share does not change. What is not known is not judged.
+//! wrong scale) and not new on each, as long as that share does not change, and as long as no single travel errs by so much
+//! that its covariance does not tell how it errs: where the heading of one is off by half a radian, a displacement is not
+//! normally distributed. What is not known is not judged.
 
 mod angle;
 mod apart;

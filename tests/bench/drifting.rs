@@ -2,27 +2,20 @@
 
 use topostar::metric::Measurements;
 use topostar::trace::{Experience, Sighting};
-use topostar::worlds::{Detours, Drift, StarTrace, corridor_grid, covering_walk, drifting_trace_by};
+use topostar::worlds::{Detours, Drift, Place, StarTrace, corridor_grid, covering_walk, drifting_trace_by};
 
 /// Metres from place to place.
 pub(crate) const SPACING: f64 = 10.0;
 
-/// How the corridors of a grid lead.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Corridors {
-    Straight,
-    /// Aside and back, on the rim far out.
-    Detours,
-}
-
-/// The trace of a walk that comes by every place of a square grid.
-pub(crate) fn drifting_walk(side: usize, corridors: Corridors, seed: u64, drift: Drift) -> StarTrace {
+/// The trace of a walk that comes by every place of a square grid, by corridors that may lead aside and back.
+pub(crate) fn drifting_walk(
+    side: usize,
+    detours: impl Fn(&[Place]) -> Detours,
+    seed: u64,
+    drift: Drift,
+) -> StarTrace {
     let places = corridor_grid(side, side, SPACING);
-    let detours = match corridors {
-        Corridors::Straight => Detours::default(),
-        Corridors::Detours => Detours::of_grid(&places, seed),
-    };
-    drifting_trace_by(&places, &covering_walk(&places, seed), drift, seed, &detours).unwrap()
+    drifting_trace_by(&places, &covering_walk(&places, seed), drift, seed, &detours(&places)).unwrap()
 }
 
 /// What is seen on a trace, each with the measurements so far.

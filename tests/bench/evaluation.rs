@@ -10,7 +10,6 @@
 
 mod drifting;
 
-use drifting::Corridors::{Detours, Straight};
 use drifting::{SPACING, drifting_walk, sightings};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use std::collections::BTreeMap;
@@ -23,7 +22,7 @@ use topostar::abduction::{
 use topostar::map::PlaceId;
 use topostar::metric::{Measurements, MetricParameters, Patience, Room};
 use topostar::trace::Sighting;
-use topostar::worlds::{Drift, StarTrace};
+use topostar::worlds::{Detours, Drift, Place, StarTrace};
 
 /// The most candidates kept; walks that have more are counted for themselves.
 const LIMIT: usize = 1000;
@@ -58,25 +57,32 @@ fn main() {
         ("a fifth of that", Drift::WORST.scaled(0.2)),
     ];
     let (small, large) = (walks - walks / 2, walks / 2);
-    let of = |side, corridors, share, every| drifts.map(|drift| (side, corridors, share, every, drift));
-    let straight = [of(4, Straight, small, SEARCHED), of(6, Straight, large, 10 * SEARCHED)].concat();
-    // A way five times as long as the line between two places drifts as much more.
+    let of = |side, share, every| drifts.map(|drift| (side, false, share, Some(every), drift));
+    let straight = [of(4, small, SEARCHED), of(6, large, 10 * SEARCHED)].concat();
+    // Ways up to five times as long as the line between two places drift as much more: with the worst odometry it takes too long
+    // to search them.
     let half = ("half as bad as the worst", Drift::WORST.scaled(0.5));
-    let detours = [drifts[0], half].map(|drift| (4, Detours, small, 10 * SEARCHED, drift));
-    for (side, corridors, share, every, (name, drift)) in [straight, detours.into()].concat() {
+    let detours = [(None, drifts[0]), (None, drifts[1]), (None, drifts[2]), (Some(SEARCHED), half)];
+    let detours = detours.map(|(every, drift)| (4, true, small, every, drift));
+    for (side, detours, share, every, (name, drift)) in [straight, detours.into()].concat() {
         let start = Instant::now();
+        let searched = |seed: u64| every.is_some_and(|every| seed.is_multiple_of(every));
         let outcomes: Vec<Outcome> = (from..from + share)
             .into_par_iter()
-            .map(|seed| {
-                Outcome::of(&drifting_walk(side, corridors, seed, drift), seed, seed.is_multiple_of(every))
-            })
+            .map(|seed| Outcome::of(&walk(side, detours, seed, drift), seed, searched(seed)))
             .collect();
-        let led = if corridors == Detours { ", with detours" } else { "" };
+        let led = if detours { ", with detours" } else { "" };
         println!("\n{side}x{side} places, corridors of {SPACING} m{led}, odometry {name}\n  {drift:?}");
         print(&outcomes, start.elapsed().as_secs_f64());
         sound &= outcomes.iter().all(|outcome| outcome.refuted.is_none());
     }
     std::process::exit(if sound { 0 } else { 1 });
+}
+
+fn walk(side: usize, detours: bool, seed: u64, drift: Drift) -> StarTrace {
+    let detours =
+        |places: &[Place]| if detours { Detours::of_grid(places, seed) } else { Detours::default() };
+    drifting_walk(side, detours, seed, drift)
 }
 
 /// What came of one walk.
@@ -176,6 +182,9 @@ fn print(outcomes: &[Outcome], seconds: f64) {
     }
     let found: Vec<&Found> = outcomes.iter().filter_map(|outcome| outcome.searched.as_ref()).collect();
     let count = |of: fn(&Found) -> bool| found.iter().filter(|found| of(found)).count();
+    if found.is_empty() {
+        return;
+    }
     let few = found.len() <= FEW;
     let (left, roomy) = found.iter().fold((0, 0), |(left, roomy), found| {
         (left + found.candidates.last().copied().unwrap_or_default(), roomy + found.roomy)

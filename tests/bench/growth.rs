@@ -16,7 +16,7 @@ use rayon::ThreadPoolBuilder;
 use std::sync::Arc;
 use std::time::Instant;
 use topostar::abduction::{Abduction, AxiomSet, Evidence, Limits, Profile, Visit};
-use topostar::worlds::Drift;
+use topostar::worlds::{Detours, Drift};
 
 const REPETITIONS: usize = 3;
 /// Of the candidates of the large grid.
@@ -58,8 +58,7 @@ fn main() {
 type Seen = (Visit, Option<Arc<dyn Evidence>>);
 
 fn measured_walk(side: usize) -> Vec<Seen> {
-    let seen =
-        drifting::sightings(&drifting::drifting_walk(side, drifting::Corridors::Straight, 0, Drift::WORST));
+    let seen = drifting::sightings(&drifting::drifting_walk(side, |_| Detours::default(), 0, Drift::WORST));
     seen.into_iter().map(|(seen, measured)| (Visit::from(&seen), measured.evidence())).collect()
 }
 
