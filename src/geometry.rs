@@ -142,6 +142,17 @@ pub fn bearing(vector: &Vector) -> f64 {
     wrap_angle(vector.y.atan2(vector.x))
 }
 
+/// How an error of a displacement moves a point that far beyond its end: as it is, and by its heading.
+pub(crate) fn lever(reach: &Vector) -> Jacobian {
+    Jacobian::new(1.0, 0.0, -reach.y, 0.0, 1.0, reach.x, 0.0, 0.0, 1.0)
+}
+
+/// The rotation of x and y by an angle.
+pub(crate) fn rotation(angle: f64) -> Jacobian {
+    let (sin, cos) = angle.sin_cos();
+    Jacobian::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

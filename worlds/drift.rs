@@ -1,6 +1,6 @@
 //! Odometry that drifts: errors of heading and of length, some the same all the way, some new with every metre.
 
-use crate::geometry::{Point, Pose, Vector, bearing, direction, wrap_angle};
+use crate::geometry::{Point, Pose, bearing, direction, lever, rotation, wrap_angle};
 use crate::trace::event::Travel;
 use crate::worlds::random::Random;
 use nalgebra::{Matrix3, Vector3};
@@ -146,7 +146,7 @@ impl Drift {
     fn covariance(&self, pieces: &[Piece]) -> [f64; 9] {
         let (mut new, mut heading, mut length) = (Matrix3::zeros(), Vector3::zeros(), Vector3::zeros());
         for piece in pieces {
-            let carried = carried(&(direction(piece.way) * piece.length));
+            let carried = lever(&(direction(piece.way) * piece.length));
             let turned = rotation(piece.way);
             new = carried * new * carried.transpose() + turned * self.new_errors(piece) * turned.transpose();
             // Heading gained evenly over a piece moves its end aside by half of what it would at its beginning.
@@ -169,17 +169,6 @@ impl Drift {
         let heading = noise * length + turn;
         Matrix3::new(along, 0.0, 0.0, 0.0, aside, both, 0.0, both, heading)
     }
-}
-
-/// How errors at one point are errors at another, that far beyond it.
-fn carried(by: &Vector) -> Matrix3<f64> {
-    Matrix3::new(1.0, 0.0, -by.y, 0.0, 1.0, by.x, 0.0, 0.0, 1.0)
-}
-
-/// The rotation of x and y by an angle.
-fn rotation(angle: f64) -> Matrix3<f64> {
-    let (sin, cos) = angle.sin_cos();
-    Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0)
 }
 
 #[cfg(test)]

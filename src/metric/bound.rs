@@ -1,8 +1,7 @@
 //! Bounds on where visits lie, each a half-plane that a visit is to lie in, and how errors move it there.
 
-use crate::geometry::{Pose, Vector};
+use crate::geometry::{Pose, Vector, lever};
 use crate::metric::layout::{Layout, Span};
-use crate::metric::leg::lever;
 use nalgebra::{RowVector2, RowVector3};
 
 /// A half-plane that a visit is to lie in.

@@ -3,12 +3,11 @@
 //! That two places lie apart, or that a segment is clear of what is in its way, is that one of several linear conditions on
 //! errors holds; what several take together is a least-squares problem under inequalities.
 
-use crate::geometry::Pose;
+use crate::geometry::{Pose, lever};
 use crate::metric::bound::{Bound, Linear};
 use crate::metric::conflicts::Ways;
 use crate::metric::crowd::InTheWay;
 use crate::metric::layout::{Layout, Span};
-use crate::metric::leg::lever;
 use crate::metric::profile::{Reached, pulls, taken};
 use crate::metric::segments::{Clear, Segments};
 use crate::metric::sides::{Pair, Side, inner};

@@ -12,10 +12,9 @@
 //! many degrees of freedom as both, so that a test has its own gate and what the gate of the sum leaves it, whichever
 //! is less ([`Layout::left`]).
 
-use crate::geometry::{Pose, Vector, wrap_angle};
+use crate::geometry::{Pose, Vector, lever, rotation, wrap_angle};
 use crate::metric::chain::link;
 use crate::metric::frames::Story;
-use crate::metric::leg::{lever, rotation};
 use crate::metric::share::{Share, Travel};
 use crate::metric::uncertainty::{TAIL, Uncertainty, exceeded, quantile};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};

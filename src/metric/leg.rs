@@ -1,6 +1,6 @@
 //! One travel as measured: the displacement from the frame of a visit to that of the next.
 
-use crate::geometry::{Pose, Vector, direction};
+use crate::geometry::{Pose, Vector, direction, lever, rotation};
 use crate::metric::MetricParameters;
 use crate::metric::uncertainty::factor;
 use crate::trace::{Motion, Sighting};
@@ -102,17 +102,6 @@ fn guessed(reach: &Vector, parameters: &MetricParameters) -> Matrix3<f64> {
     let (extent, turn) = (parameters.extent_sigma.powi(2), parameters.bearing_sigma.powi(2));
     let carried = lever(reach);
     carried * Matrix3::from_diagonal(&Vector3::new(extent, extent, turn)) * carried.transpose()
-}
-
-/// How an error of a displacement moves a point that far beyond its end: as it is, and by its heading.
-pub(super) fn lever(reach: &Vector) -> Matrix3<f64> {
-    Matrix3::new(1.0, 0.0, -reach.y, 0.0, 1.0, reach.x, 0.0, 0.0, 1.0)
-}
-
-/// The rotation of x and y by an angle.
-pub(super) fn rotation(angle: f64) -> Matrix3<f64> {
-    let (sin, cos) = angle.sin_cos();
-    Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0)
 }
 
 fn moved(pose: &Pose, by: &Vector) -> Pose {
