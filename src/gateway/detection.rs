@@ -6,6 +6,7 @@ use crate::gateway::way::{Way, local};
 use crate::gateway::{Beyond, Gateway, GatewayParameters};
 use crate::geometry::{Point, Vector, bearing, wrap_angle};
 use crate::grid::{CellIndex, DistanceField, NodeKind, SkeletonGraph, SkeletonNode, SkeletonParameters};
+use std::f64::consts::SQRT_2;
 
 /// What is within 60 degrees of straight left or right bounds a gateway on that side: the sine of the rest.
 const ABREAST: f64 = 0.5;
@@ -106,8 +107,9 @@ impl Measure<'_> {
             center: to_frame(&way.points[*at]),
             ends: [to_frame(&left), to_frame(&right)],
             bearing: wrap_angle(bearing(&outward) + info.origin.theta),
-            // The ends are cells that are not free, so that they are a cell apart and more.
-            bearing_error: info.resolution / width.max(info.resolution),
+            // The ends are cells that are not free, so that they are a cell apart and more. Each stands for any point of
+            // itself, half a diagonal from its middle.
+            bearing_error: SQRT_2 * info.resolution / width.max(info.resolution),
             width: width - info.resolution,
             passage,
             margin: (passage / self.skeleton.passage_width - 1.0).min(self.room_margin(way)).max(0.0),

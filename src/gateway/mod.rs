@@ -21,8 +21,8 @@ pub struct Gateway {
     pub ends: [Point; 2],
     /// Outward direction, radians, LPM frame.
     pub bearing: f64,
-    /// How far the bearing may be off, radians: as far as the line between the walls turns when one of its ends moves by a
-    /// cell. On drawn forks that lie anyhow on cells of 10 cm, bearings are off by half of it (root mean square).
+    /// How far the bearing may be off, radians: as far as the line between the walls turns when both its ends move from the
+    /// middle of a cell to its corner. On drawn forks that lie anyhow on the grid, 1 bearing in 100 is off by as much.
     pub bearing_error: f64,
     /// Clear width at the constriction, metres.
     pub width: f64,
