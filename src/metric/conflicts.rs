@@ -3,14 +3,15 @@
 //! Depth first: ways are taken one after the other, until some of them are too much together, a *conflict*, or nothing is left
 //! to take. A branch that contains a conflict known from elsewhere ends at once. Where each way on from a branch ends, what
 //! they ended by, without these ways themselves, is a conflict too; and where one of them ends by ways taken before it, so do
-//! all beside it (conflict-directed backjumping, Prosser 1993).
+//! all beside it (conflict-directed backjumping, Prosser 1993). Of several questions the one comes first of which the fewest
+//! ways are left that no known conflict ends at once (fail first, Haralick and Elliott 1980).
 
 use std::collections::BTreeSet;
 
 /// What there is beyond ways taken.
 pub(super) enum Look<W> {
-    /// One of these has to be taken next.
-    Next(Ways<W>),
+    /// Of each of these one way has to be taken; what is to be asked first comes first. None is empty.
+    Next(Vec<Ways<W>>),
     /// Of the ways taken these are too much together.
     Conflict(BTreeSet<W>),
     /// Nothing is left to take.
@@ -38,12 +39,12 @@ pub(super) enum Choice {
     Unknown,
 }
 
-/// Whether ways can be taken until nothing is left to take, by asking `look` of `most` sets of ways at most.
+/// Whether ways can be taken until nothing is left to take, by asking `look` until it does not know.
 ///
 /// Law: they are lacking exactly if every choice contains a conflict, where `look` is never open but of a choice of all, and
 /// never unknown.
-pub(super) fn choice<W: Copy + Ord>(most: usize, look: impl FnMut(&[W]) -> Look<W>) -> Choice {
-    match (Search { left: most, look, conflicts: Vec::new() }).branch(&mut Vec::new()) {
+pub(super) fn choice<W: Copy + Ord>(look: impl FnMut(&[W]) -> Look<W>) -> Choice {
+    match (Search { look, conflicts: Vec::new() }).branch(&mut Vec::new()) {
         Ok(_) => Choice::Lacking,
         Err(Ended::Open) => Choice::Found,
         Err(Ended::Unknown) => Choice::Unknown,
@@ -57,7 +58,6 @@ enum Ended {
 }
 
 struct Search<W, L> {
-    left: usize,
     look: L,
     conflicts: Vec<BTreeSet<W>>,
 }
@@ -70,12 +70,12 @@ impl<W: Copy + Ord, L: FnMut(&[W]) -> Look<W>> Search<W, L> {
         if let Some(known) = self.conflicts.iter().find(holds) {
             return Ok(known.clone());
         }
-        self.left = self.left.checked_sub(1).ok_or(Ended::Unknown)?;
         let conflict = match (self.look)(taken) {
             Look::Open => return Err(Ended::Open),
             Look::Unknown => return Err(Ended::Unknown),
             Look::Conflict(conflict) => conflict,
-            Look::Next(ways) => {
+            Look::Next(questions) => {
+                let ways = self.narrowest(questions, taken).ok_or(Ended::Unknown)?;
                 let mut all: BTreeSet<W> = ways.whole.into_iter().collect();
                 for way in ways.parts {
                     taken.push(way);
@@ -91,6 +91,17 @@ impl<W: Copy + Ord, L: FnMut(&[W]) -> Look<W>> Search<W, L> {
         };
         self.conflicts.push(conflict.clone());
         Ok(conflict)
+    }
+
+    /// The first of the questions of which the fewest ways are left, beyond those taken. As many steps as conflicts have ways.
+    fn narrowest(&self, questions: Vec<Ways<W>>, taken: &[W]) -> Option<Ways<W>> {
+        let last = |conflict: &BTreeSet<W>| {
+            let mut others = conflict.iter().filter(|way| !taken.contains(way));
+            others.next().copied().filter(|_| others.next().is_none())
+        };
+        let ended: BTreeSet<W> = self.conflicts.iter().filter_map(last).collect();
+        let left = |ways: &Ways<W>| ways.parts.iter().filter(|way| !ended.contains(way)).count();
+        questions.into_iter().min_by_key(left)
     }
 }
 
@@ -127,16 +138,16 @@ mod tests {
             return Look::Conflict(conflict.clone());
         }
         let of = |question: usize| taken.iter().rfind(move |way| way.0 == question);
-        let next = order.iter().find(|&&question| of(question).is_none_or(|way| way.2.is_none()));
-        let Some(&question) = next else { return Look::Open };
-        let ways = match of(question) {
+        let next = order.iter().filter(|&&question| of(question).is_none_or(|way| way.2.is_none()));
+        let ways = next.map(|&question| match of(question) {
             None => Ways { whole: None, parts: vec![(question, 0, None), (question, 1, None)] },
             Some(&whole) => {
                 let part = |part| (question, whole.1, Some(part));
                 Ways { whole: Some(whole), parts: vec![part(0), part(1)] }
             }
-        };
-        Look::Next(ways)
+        });
+        let ways: Vec<Ways<Way>> = ways.collect();
+        if ways.is_empty() { Look::Open } else { Look::Next(ways) }
     }
 
     proptest! {
@@ -147,7 +158,7 @@ mod tests {
             conflicts in prop::collection::vec(prop::collection::btree_set(ways(), 1..4), 0..24),
             order in Just((0..QUESTIONS).collect::<Vec<_>>()).prop_shuffle(),
         ) {
-            let found = choice(usize::MAX, |taken: &[Way]| look(&conflicts, &order, taken));
+            let found = choice(|taken: &[Way]| look(&conflicts, &order, taken));
             let ended = |choice: &BTreeSet<Way>| conflicts.iter().any(|conflict| conflict.is_subset(choice));
             let all_end = choices().iter().all(ended);
             prop_assert_eq!(found, if all_end { Choice::Lacking } else { Choice::Found });
@@ -155,15 +166,32 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_looked_at_is_not_closed() {
+    fn what_is_not_known_is_not_closed() {
         let conflicts: Vec<BTreeSet<Way>> = [0, 1].map(|side| BTreeSet::from([(0, side, None)])).into();
-        let asked = |most| choice(most, |taken: &[Way]| look(&conflicts, &[0, 1, 2, 3], taken));
+        let asked = |most: usize| {
+            let mut left = most;
+            choice(|taken: &[Way]| {
+                let known = left.checked_sub(1).map(|rest| left = rest);
+                known.map_or(Look::Unknown, |()| look(&conflicts, &[0, 1, 2, 3], taken))
+            })
+        };
         assert_eq!([0, 1, 2].map(asked), [Choice::Unknown; 3]);
         assert_eq!(asked(3), Choice::Lacking);
-        let blind = |taken: &[Way]| match taken {
-            [] => look(&conflicts, &[0, 1, 2, 3], taken),
-            _ => Look::Unknown,
+    }
+
+    #[test]
+    fn the_question_with_the_fewest_ways_left_comes_first() {
+        let [zero, one, three] = [(0, 0, None), (1, 0, None), (3, 0, None)];
+        let conflicts = [[zero, three], [one, three], [one, (2, 1, None)]].map(BTreeSet::from);
+        let search = Search { look: |_: &[Way]| Look::Unknown, conflicts: conflicts.into() };
+        let first = |taken: &[Way]| {
+            let Look::Next(questions) = look(&[], &[1, 2, 3], taken) else { return None };
+            search.narrowest(questions, taken).map(|ways| ways.parts)
         };
-        assert_eq!(choice(3, blind), Choice::Unknown);
+        let both = |question| Some(vec![(question, 0, None), (question, 1, None)]);
+        assert_eq!(first(&[]), both(1), "where all have as many the first one");
+        assert_eq!(first(&[zero]), both(3));
+        assert_eq!(first(&[three]), both(1), "one of its two ways is closed");
+        assert_eq!(first(&[(0, 1, None)]), both(1));
     }
 }

@@ -20,7 +20,7 @@
 //! (`cargo xtask evaluate`).
 
 use crate::metric::conflicts::{Choice, Look, choice};
-use crate::metric::floor::{Apart, Floor};
+use crate::metric::floor::{Apart, Floor, Solved};
 use crate::metric::layout::{Layout, Span};
 use crate::metric::profile::{NEARER, Reached};
 use crate::metric::segments::Segments;
@@ -38,11 +38,11 @@ pub enum Patience {
 }
 
 impl Patience {
-    /// At most so many sets of conditions are looked at.
-    fn steps(self) -> usize {
+    /// At most so many least-squares problems are solved, and what the last branch looked at takes.
+    fn problems(self) -> usize {
         match self {
-            Patience::Short => 1_000,
-            Patience::Long => 10_000,
+            Patience::Short => 12_000,
+            Patience::Long => 120_000,
         }
     }
 }
@@ -93,8 +93,9 @@ impl Layout {
     /// Whether first visits, measured in between, can all lie so far from each other, and segments clear of all.
     pub(super) fn room(&self, segments: &Segments, separation: f64, patience: Patience) -> Room {
         let Some(floor) = Floor::new(self, segments, separation) else { return Room::Unknown };
-        let mut search = Search { layout: self, floor, ended: BTreeMap::new(), witness: None };
-        match choice(patience.steps(), |chosen| search.look(chosen)) {
+        let left = patience.problems();
+        let mut search = Search { layout: self, floor, left, ended: BTreeMap::new(), witness: None };
+        match choice(|chosen| search.look(chosen)) {
             Choice::Found => search.witness.map_or(Room::Unknown, Room::Found),
             Choice::Unknown => Room::Unknown,
             Choice::Lacking => {
@@ -117,6 +118,8 @@ impl Layout {
 struct Search<'a> {
     layout: &'a Layout,
     floor: Floor<'a>,
+    /// How many problems may be solved yet.
+    left: usize,
     /// What it takes to have things apart in some ways, if that is too much.
     ended: BTreeMap<Vec<Apart>, Option<Crowd>>,
     /// What was found.
@@ -126,12 +129,17 @@ struct Search<'a> {
 impl Search<'_> {
     /// What there is beyond some choices. Where first order finds too much, or room for all, it is asked whether that is so.
     fn look(&mut self, chosen: &[Apart]) -> Look<Apart> {
-        let solved = self.floor.solve(chosen);
+        if self.left == 0 {
+            return Look::Unknown;
+        }
+        let solved = self.solve(chosen);
         if solved.chi_square <= self.layout.gate(solved.degrees()) {
-            match self.floor.clash(&solved, chosen, None) {
-                Some(ways) => return Look::Next(ways),
-                None if chosen.is_empty() => return self.open(self.layout, 0),
-                None => {}
+            let clashes = self.floor.clashes(&solved, chosen, None);
+            if !clashes.is_empty() {
+                return Look::Next(clashes);
+            }
+            if chosen.is_empty() {
+                return self.open(self.layout, 0);
             }
         }
         if let Some(conflict) = self.conflict(&solved.bearing()) {
@@ -146,10 +154,11 @@ impl Search<'_> {
         }
         // Where errors do not come to rest they may with more chosen.
         let poses = reached.as_ref().map(|reached| reached.layout.poses.as_slice());
-        match (self.floor.clash(&solved, chosen, poses), reached) {
-            (Some(ways), _) => Look::Next(ways),
-            (None, Some(reached)) => self.open(&reached.layout, reached.bearing.len()),
-            (None, None) => Look::Unknown,
+        let clashes = self.floor.clashes(&solved, chosen, poses);
+        match reached {
+            _ if !clashes.is_empty() => Look::Next(clashes),
+            Some(reached) => self.open(&reached.layout, reached.bearing.len()),
+            None => Look::Unknown,
         }
     }
 
@@ -168,11 +177,11 @@ impl Search<'_> {
     }
 
     /// Without each in turn that is not needed for them to take more than their gate, to first order.
-    fn fewer(&self, bearing: &[Apart]) -> Vec<Apart> {
+    fn fewer(&mut self, bearing: &[Apart]) -> Vec<Apart> {
         let mut few = bearing.to_vec();
         for one in bearing {
             let rest: Vec<Apart> = few.iter().copied().filter(|other| other != one).collect();
-            let solved = self.floor.solve(&rest);
+            let solved = self.solve(&rest);
             if solved.chi_square > self.layout.gate(solved.degrees()) {
                 few = rest;
             }
@@ -183,15 +192,16 @@ impl Search<'_> {
     /// Whether some take more than their gate.
     fn ends(&mut self, chosen: &[Apart]) -> bool {
         if !self.ended.contains_key(chosen) {
-            self.ended.insert(chosen.to_vec(), self.beyond(chosen));
+            let beyond = self.beyond(chosen);
+            self.ended.insert(chosen.to_vec(), beyond);
         }
         self.ended[chosen].is_some()
     }
 
     /// What it takes at least to have things apart in some ways, if that is more than their gate. Near bounds are found where those
     /// far out are not, and have the gate of those of them that bear: what is beyond a bound is beyond every one before it.
-    fn beyond(&self, chosen: &[Apart]) -> Option<Crowd> {
-        let solved = self.floor.solve(chosen);
+    fn beyond(&mut self, chosen: &[Apart]) -> Option<Crowd> {
+        let solved = self.solve(chosen);
         let gate = self.layout.gate(solved.degrees());
         let shares = NEARER.map(|gates| (gates * gate / solved.chi_square).sqrt());
         let mut shares = shares.into_iter().filter(|&share| share < 1.0).chain([1.0]);
@@ -200,9 +210,18 @@ impl Search<'_> {
         Some(self.crowd(chosen, &reached?))
     }
 
+    /// What it takes to first order to have things apart in some ways.
+    fn solve(&mut self, chosen: &[Apart]) -> Solved {
+        self.left = self.left.saturating_sub(1);
+        self.floor.solve(chosen)
+    }
+
     /// What it takes to go a share of the way to where things are apart in some ways.
-    fn reach(&self, chosen: &[Apart], share: f64) -> Option<Reached> {
-        self.layout.to_reach(&self.floor.bounds(chosen, share), |bearing| self.layout.gate(bearing))
+    fn reach(&mut self, chosen: &[Apart], share: f64) -> Option<Reached> {
+        let bounds = self.floor.bounds(chosen, share);
+        let descent = self.layout.to_reach(&bounds, |bearing| self.layout.gate(bearing));
+        self.left = self.left.saturating_sub(descent.rounds);
+        descent.end
     }
 
     fn is_beyond(&self, reached: &Reached) -> bool {

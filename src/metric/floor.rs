@@ -104,15 +104,15 @@ impl<'a> Floor<'a> {
         Solved { chi_square, bearing: bearing.map(|(_, condition)| condition).collect(), root, twists }
     }
 
-    /// What is to hold of two things on one spot, if any two are, where all lie as `poses` say or, without these, as they do to
-    /// first order: one of these ways, what takes least first. Of all those that take most to come apart, as they end most
-    /// branches; not those that were chosen to be apart as far as can be said.
-    pub(super) fn clash(
+    /// What is to hold of any two things on one spot, where all lie as `poses` say or, without these, as they do to first order: one
+    /// of some ways, what takes least first. Those that take most to come apart come first, as they end most branches; those that
+    /// were chosen to be apart as far as can be said are left out.
+    pub(super) fn clashes(
         &self,
         solved: &Solved,
         chosen: &[Apart],
         poses: Option<&[Pose]>,
-    ) -> Option<Ways<Apart>> {
+    ) -> Vec<Ways<Apart>> {
         let moved = self.moved(solved);
         let poses = poses.unwrap_or(&moved);
         let pairs = self.pairs(poses, chosen).into_iter().map(|pair| {
@@ -128,7 +128,9 @@ impl<'a> Floor<'a> {
             let parts = ways.iter().map(|(_, way)| Apart::Clear(*way)).collect();
             (ways[0].0, Ways { whole: None, parts })
         });
-        pairs.chain(obstructed).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, ways)| ways)
+        let mut clashes: Vec<(f64, Ways<Apart>)> = pairs.chain(obstructed).collect();
+        clashes.sort_by(|a, b| b.0.total_cmp(&a.0));
+        clashes.into_iter().map(|(_, ways)| ways).collect()
     }
 
     /// What it is to be apart in some ways, as bounds, each nearer by the rest of a share of what lacks to it.

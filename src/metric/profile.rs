@@ -24,6 +24,15 @@ const SHAKE: f64 = 0.1;
 /// How much chi-square it is to take to first order to come to the lines looked at before a side, in gates.
 pub(super) const NEARER: [f64; 2] = [1.5, 3.0];
 
+/// Where a descent came to.
+#[derive(Debug)]
+pub(super) struct Descent {
+    /// How many problems were solved.
+    pub(super) rounds: usize,
+    /// Where it came to rest, if it did.
+    pub(super) end: Option<Reached>,
+}
+
 /// Visits put within bounds.
 #[derive(Debug)]
 pub(super) struct Reached {
@@ -77,17 +86,24 @@ impl Layout {
     fn beyond(&self, side: &Side, gate: f64) -> Option<f64> {
         let before = NEARER.map(|gates| side.off + (gates * gate).sqrt() * side.sigma);
         let lines = before.into_iter().filter(|&by| by < side.bound.by).chain([side.bound.by]);
-        let mut reached = lines.map(|by| self.to_reach(&[Bound { by, ..side.bound }], |_| gate));
+        let mut reached = lines.map(|by| self.to_reach(&[Bound { by, ..side.bound }], |_| gate).end);
         reached.find_map(|reached| Some(reached?.chi_square).filter(|&takes| takes > gate))
     }
 
     /// What it takes at least to put visits within bounds. Where that is more than the gate of so many bounds as bear, it is more
-    /// after a shake too. `None` where it is not found out.
-    pub(super) fn to_reach(&self, bounds: &[Bound], gate: impl Fn(usize) -> f64) -> Option<Reached> {
+    /// after a shake too. Without an end where it is not found out.
+    pub(super) fn to_reach(&self, bounds: &[Bound], gate: impl Fn(usize) -> f64) -> Descent {
+        let mut rounds = 0;
+        let end = self.descend(bounds, gate, &mut rounds);
+        Descent { rounds, end }
+    }
+
+    fn descend(&self, bounds: &[Bound], gate: impl Fn(usize) -> f64, rounds: &mut usize) -> Option<Reached> {
         let mut layout = self.clone();
         let (least, _) = layout.chi_square();
         let (mut last, mut way, mut shaken): (Option<Step>, _, _) = (None, 1.0, false);
         for round in 0..ROUNDS {
+            *rounds += 1;
             layout.solve()?;
             let conditions = Conditions::new(&layout, bounds)?;
             if round == 0 && conditions.misses.iter().all(|misses| *misses >= 0.0) {
