@@ -208,6 +208,16 @@ fn a_fork_of_five_has_five_paths_where_cells_bend_its_bearings() {
     }
 }
 
+/// Two ways side by side, each of which is half a width too far aside to go on as a third one across the room, where cells of
+/// 10 cm put one of them nearer to it and the other farther.
+#[test]
+fn a_way_goes_on_as_neither_of_two_where_cells_shift_them() {
+    let shapes = shapes::all();
+    let room = shapes.iter().find(|shape| shape.name == "figure 3(b)").unwrap();
+    let frame_from_plan = Pose { x: 0.7569090989170029, y: -0.8352905343445274, theta: 0.7480809710649153 };
+    check_shape(room, &Laying { frame_from_plan, turned: 0.676572341367728, resolution: 0.1 }).unwrap();
+}
+
 /// A room as wide in its middle as between two mouths beside it, where cells of 10 cm make one of these seem to stand ahead.
 #[test]
 fn the_middle_of_a_room_is_no_gateway() {

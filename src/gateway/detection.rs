@@ -107,9 +107,7 @@ impl Measure<'_> {
             center: to_frame(&way.points[*at]),
             ends: [to_frame(&left), to_frame(&right)],
             bearing: wrap_angle(bearing(&outward) + info.origin.theta),
-            // The ends are cells that are not free, so that they are a cell apart and more. Each stands for any point of
-            // itself, half a diagonal from its middle.
-            bearing_error: SQRT_2 * info.resolution / width.max(info.resolution),
+            read_error: info.resolution / SQRT_2,
             width: width - info.resolution,
             passage,
             margin: (passage / self.skeleton.passage_width - 1.0).min(self.room_margin(way)).max(0.0),

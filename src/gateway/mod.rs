@@ -21,9 +21,8 @@ pub struct Gateway {
     pub ends: [Point; 2],
     /// Outward direction, radians, LPM frame.
     pub bearing: f64,
-    /// How far the bearing may be off, radians: as far as the line between the walls turns when both its ends move from the
-    /// middle of a cell to its corner. On drawn forks that lie anyhow on the grid, 1 bearing in 100 is off by as much.
-    pub bearing_error: f64,
+    /// How far its ends and its centre may be from where they are read, metres: half the diagonal of a cell.
+    pub read_error: f64,
     /// Clear width at the constriction, metres.
     pub width: f64,
     /// Clear width of the narrowest part of the way out, metres.
@@ -52,6 +51,13 @@ impl Gateway {
     /// The unit vector that points outward.
     pub fn outward(&self) -> Vector {
         direction(self.bearing)
+    }
+
+    /// How far the bearing may be off, radians: as far as the line between the ends turns when both are read wrong. On drawn
+    /// forks that lie anyhow on the grid, one bearing in a hundred is off by as much.
+    pub fn bearing_error(&self) -> f64 {
+        let [left, right] = self.ends;
+        (2.0 * self.read_error / (left - right).norm()).min(1.0)
     }
 }
 

@@ -9,7 +9,7 @@ pub struct FragmentParameters {
     /// A pair scores more; 1 is straight across and 0.5 is 60 degrees off or one width beside. Default 0.5.
     pub least_score: f64,
     /// A pair is ambiguous if the runner-up of either gateway scores more than this share of it, or may do better than
-    /// it where bearings are off by what cells can make of them. Default 0.8.
+    /// it where bearings and centres are off by what cells can make of them. Default 0.8.
     pub ambiguity: f64,
 }
 
@@ -61,7 +61,7 @@ struct Scores(Vec<Vec<Score>>);
 #[derive(Clone, Copy)]
 struct Score {
     exact: f64,
-    /// At least and at most, with both bearings off by their errors.
+    /// At least and at most, with both gateways off by their errors.
     worst: f64,
     likeliest: f64,
 }
@@ -92,22 +92,30 @@ impl Scores {
     }
 }
 
-/// The least and the greatest score of a pair with both bearings off by their errors to either side.
+/// The least and the greatest score of a pair with bearings off by their errors to either side, and centres nearer to each
+/// other's line or farther from it by theirs.
 fn score_bounds(a: &Gateway, b: &Gateway) -> [f64; 2] {
     let turned = |gateway: &Gateway, by: f64| Gateway { bearing: gateway.bearing + by, ..gateway.clone() };
-    let either = |gateway: &Gateway| [-1.0, 1.0].map(|side| turned(gateway, side * gateway.bearing_error));
+    let either = |gateway: &Gateway| [-1.0, 1.0].map(|side| turned(gateway, side * gateway.bearing_error()));
     let [first, second] = [either(a), either(b)];
-    let scores = first.iter().flat_map(|a| second.iter().map(move |b| symmetric_score(a, b)));
+    let read_error = a.read_error + b.read_error;
+    let pairs = first.iter().flat_map(|a| second.iter().map(move |b| (a, b)));
+    let scores = pairs.flat_map(|(a, b)| [-1.0, 1.0].map(|side| score_beside(a, b, side * read_error)));
     let exact = symmetric_score(a, b);
     scores.fold([exact; 2], |[least, most], score| [least.min(score), most.max(score)])
 }
 
 fn symmetric_score(a: &Gateway, b: &Gateway) -> f64 {
-    across(a, b).min(across(b, a))
+    score_beside(a, b, 0.0)
 }
 
-/// How well the straight projection inward from `a` meets `b`: opposite directions, and little offset in widths.
-fn across(a: &Gateway, b: &Gateway) -> f64 {
+fn score_beside(a: &Gateway, b: &Gateway, farther: f64) -> f64 {
+    across(a, b, farther).min(across(b, a, farther))
+}
+
+/// How well the straight projection inward from `a` meets `b`: opposite directions, and little offset in widths, which is so much
+/// farther than it seems.
+fn across(a: &Gateway, b: &Gateway, farther: f64) -> f64 {
     let (inward, line_normal): (Vector, Vector) = (-a.outward(), b.outward());
     let facing = inward.dot(&line_normal);
     let distance = (b.center - a.center).dot(&line_normal);
@@ -115,7 +123,7 @@ fn across(a: &Gateway, b: &Gateway) -> f64 {
         return 0.0;
     }
     let met = a.center + inward * (distance / facing);
-    let offset = (met - b.center).norm() / b.width;
+    let offset = ((met - b.center).norm() + farther).max(0.0) / b.width;
     facing * (1.0 - offset / 2.0).max(0.0)
 }
 
@@ -135,7 +143,7 @@ mod tests {
             center,
             ends: [center + left, center - left],
             bearing,
-            bearing_error: 0.0,
+            read_error: 0.0,
             width: 2.0,
             passage: 2.0,
             margin: 1.0,
@@ -168,7 +176,7 @@ mod tests {
             let off = |k: usize| [-3.2_f64, 0.0, 2.4, 0.0, 0.0][k].to_radians();
             let at = |k: usize| 0.4 * PI * k as f64;
             let way = |k: usize| Gateway {
-                bearing_error: error,
+                read_error: error,
                 ..gateway(1.5 * at(k).cos(), 1.5 * at(k).sin(), at(k) + off(k))
             };
             (0..5).map(way).collect()
@@ -177,7 +185,7 @@ mod tests {
         assert_eq!(pairs(&fork(0.1 / 2.0)).len(), 5, "in cells of 10 cm it is none");
         // What goes on straight is sure enough.
         let through = [gateway(2.0, 0.0, 0.0), gateway(0.0, -2.0, -PI / 2.0), gateway(-2.0, 0.0, PI)];
-        let through = through.map(|one| Gateway { bearing_error: 0.1 / 2.0, ..one });
+        let through = through.map(|one| Gateway { read_error: 0.1 / 2.0, ..one });
         assert_eq!(pairs(&through), [(0, Some(2)), (1, None)]);
     }
 
@@ -208,7 +216,7 @@ mod tests {
         let count = |cell: &Cell<usize>, so: bool| cell.set(cell.get() + usize::from(so));
         let way = (0.0..2.0 * PI, 1.0..3.0, -0.4..0.4, 0.0..0.06);
         let way = way.prop_map(|(at, far, off, error): (f64, f64, f64, f64)| Gateway {
-            bearing_error: error,
+            read_error: error,
             ..gateway(far * at.cos(), far * at.sin(), at + off)
         });
         let config = ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(256) };

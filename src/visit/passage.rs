@@ -50,7 +50,7 @@ mod tests {
         let (center, left) = (Point::origin() + direction(bearing) * away, direction(bearing + PI / 2.0));
         let ends = [center + left * (WIDTH / 2.0), center - left * (WIDTH / 2.0)];
         let (width, passage) = (WIDTH, WIDTH);
-        Gateway { center, ends, bearing, bearing_error: 0.0, width, passage, margin: 1.0, beyond: Vec::new() }
+        Gateway { center, ends, bearing, read_error: 0.0, width, passage, margin: 1.0, beyond: Vec::new() }
     }
 
     fn way(points: impl Iterator<Item = Point>) -> Vec<Moment> {
