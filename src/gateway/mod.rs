@@ -53,8 +53,8 @@ impl Gateway {
         direction(self.bearing)
     }
 
-    /// How far the bearing may be off, radians: as far as the line between the ends turns when both are read wrong. On drawn
-    /// forks that lie anyhow on the grid, one bearing in a hundred is off by as much.
+    /// How far the bearing may be off, radians: as far as the line between the ends turns when both are read wrong, which is
+    /// taken for that of a way with one wall, too. On drawn forks that lie anyhow on the grid, one bearing in a hundred is off by as much.
     pub fn bearing_error(&self) -> f64 {
         let [left, right] = self.ends;
         (2.0 * self.read_error / (left - right).norm()).min(1.0)

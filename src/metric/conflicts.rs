@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 
 /// What there is beyond ways taken.
 pub(super) enum Look<W> {
-    /// Of each of these one way has to be taken; what is to be asked first comes first. None is empty.
+    /// Of each of these one way has to be taken; what is to be asked first comes first. At least one.
     Next(Vec<Ways<W>>),
     /// Of the ways taken these are too much together.
     Conflict(BTreeSet<W>),
@@ -93,7 +93,8 @@ impl<W: Copy + Ord, L: FnMut(&[W]) -> Look<W>> Search<W, L> {
         Ok(conflict)
     }
 
-    /// The first of the questions of which the fewest ways are left, beyond those taken. As many steps as conflicts have ways.
+    /// The first of the questions of which the fewest ways are left, beyond those taken. As many steps as conflicts have ways, for each
+    /// way taken.
     fn narrowest(&self, questions: Vec<Ways<W>>, taken: &[W]) -> Option<Ways<W>> {
         let last = |conflict: &BTreeSet<W>| {
             let mut others = conflict.iter().filter(|way| !taken.contains(way));
@@ -184,14 +185,14 @@ mod tests {
         let [zero, one, three] = [(0, 0, None), (1, 0, None), (3, 0, None)];
         let conflicts = [[zero, three], [one, three], [one, (2, 1, None)]].map(BTreeSet::from);
         let search = Search { look: |_: &[Way]| Look::Unknown, conflicts: conflicts.into() };
-        let first = |taken: &[Way]| {
-            let Look::Next(questions) = look(&[], &[1, 2, 3], taken) else { return None };
+        let first = |order: &[usize], taken: &[Way]| {
+            let Look::Next(questions) = look(&[], order, taken) else { return None };
             search.narrowest(questions, taken).map(|ways| ways.parts)
         };
         let both = |question| Some(vec![(question, 0, None), (question, 1, None)]);
-        assert_eq!(first(&[]), both(1), "where all have as many the first one");
-        assert_eq!(first(&[zero]), both(3));
-        assert_eq!(first(&[three]), both(1), "one of its two ways is closed");
-        assert_eq!(first(&[(0, 1, None)]), both(1));
+        assert_eq!(first(&[1, 2, 3], &[]), both(1), "where all have as many left the first one");
+        assert_eq!(first(&[1, 2, 3], &[zero]), both(3));
+        assert_eq!(first(&[2, 1], &[three]), both(1), "one of its two ways is ended");
+        assert_eq!(first(&[3, 2, 1], &[one, (3, 1, None), (3, 1, Some(0))]), both(2));
     }
 }

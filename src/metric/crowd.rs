@@ -28,6 +28,9 @@ use crate::metric::uncertainty::quantile;
 use crate::metric::witness::Witness;
 use std::collections::{BTreeMap, BTreeSet};
 
+/// At most so many things are chosen one after the other. Random walks need some fifty.
+const DEEPEST: usize = 1_000;
+
 /// How long to look for room.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Patience {
@@ -93,8 +96,8 @@ impl Layout {
     /// Whether first visits, measured in between, can all lie so far from each other, and segments clear of all.
     pub(super) fn room(&self, segments: &Segments, separation: f64, patience: Patience) -> Room {
         let Some(floor) = Floor::new(self, segments, separation) else { return Room::Unknown };
-        let left = patience.problems();
-        let mut search = Search { layout: self, floor, left, ended: BTreeMap::new(), witness: None };
+        let budget = patience.problems();
+        let mut search = Search { layout: self, floor, budget, ended: BTreeMap::new(), witness: None };
         match choice(|chosen| search.look(chosen)) {
             Choice::Found => search.witness.map_or(Room::Unknown, Room::Found),
             Choice::Unknown => Room::Unknown,
@@ -119,7 +122,7 @@ struct Search<'a> {
     layout: &'a Layout,
     floor: Floor<'a>,
     /// How many problems may be solved yet.
-    left: usize,
+    budget: usize,
     /// What it takes to have things apart in some ways, if that is too much.
     ended: BTreeMap<Vec<Apart>, Option<Crowd>>,
     /// What was found.
@@ -129,7 +132,7 @@ struct Search<'a> {
 impl Search<'_> {
     /// What there is beyond some choices. Where first order finds too much, or room for all, it is asked whether that is so.
     fn look(&mut self, chosen: &[Apart]) -> Look<Apart> {
-        if self.left == 0 {
+        if self.budget == 0 || chosen.len() > DEEPEST {
             return Look::Unknown;
         }
         let solved = self.solve(chosen);
@@ -212,7 +215,7 @@ impl Search<'_> {
 
     /// What it takes to first order to have things apart in some ways.
     fn solve(&mut self, chosen: &[Apart]) -> Solved {
-        self.left = self.left.saturating_sub(1);
+        self.budget = self.budget.saturating_sub(1);
         self.floor.solve(chosen)
     }
 
@@ -220,7 +223,7 @@ impl Search<'_> {
     fn reach(&mut self, chosen: &[Apart], share: f64) -> Option<Reached> {
         let bounds = self.floor.bounds(chosen, share);
         let descent = self.layout.to_reach(&bounds, |bearing| self.layout.gate(bearing));
-        self.left = self.left.saturating_sub(descent.rounds);
+        self.budget = self.budget.saturating_sub(descent.rounds);
         descent.end
     }
 

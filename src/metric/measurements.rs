@@ -118,7 +118,7 @@ impl Measurements {
     /// same on all travels, by number; `None` where no likely errors close the loops. What is lacking is lacking as far as a
     /// descent from the likeliest errors finds the least chi-square. What is found is short of the distance by 3.5 % at most,
     /// of which a polygon falls short of a circle, and a centimetre; that it is so, and within the gate, is looked at once
-    /// more without derivatives ([`Witness`](crate::metric::Witness)). Hundreds of least-squares problems, each cubic in the loops.
+    /// more without derivatives ([`Witness`](crate::metric::Witness)). Up to 12,000 or 120,000 least-squares problems, each cubic in the loops and quadratic in the conditions.
     pub fn room(
         &self,
         proposal: &Proposal<'_>,

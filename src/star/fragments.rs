@@ -85,15 +85,15 @@ impl Scores {
         };
         let rivals = [a, b].into_iter().flat_map(|end| {
             let others = (0..self.0.len()).filter(move |&other| other != a && other != b);
-            others.map(move |other| self.0[end][other]).filter(|rival| rival.exact > 0.0)
+            others.map(move |other| self.0[end][other]).filter(|rival| rival.likeliest > 0.0)
         });
         let contest = rivals.map(share).fold(0.0, f64::max);
         (own.exact / parameters.least_score - 1.0).min(1.0 - contest).max(-1.0)
     }
 }
 
-/// The least and the greatest score of a pair with bearings off by their errors to either side, and centres nearer to each
-/// other's line or farther from it by theirs.
+/// The least and the greatest score of a pair with bearings off by their errors to either side or not at all, and centres nearer to
+/// each other's line or farther from it by theirs.
 fn score_bounds(a: &Gateway, b: &Gateway) -> [f64; 2] {
     let turned = |gateway: &Gateway, by: f64| Gateway { bearing: gateway.bearing + by, ..gateway.clone() };
     let either = |gateway: &Gateway| [-1.0, 1.0].map(|side| turned(gateway, side * gateway.bearing_error()));
@@ -134,7 +134,7 @@ mod tests {
     use proptest::prelude::*;
     use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
     use std::cell::Cell;
-    use std::f64::consts::PI;
+    use std::f64::consts::{PI, SQRT_2};
 
     fn gateway(x: f64, y: f64, bearing: f64) -> Gateway {
         let center = Point::new(x, y);
@@ -182,11 +182,23 @@ mod tests {
             (0..5).map(way).collect()
         };
         assert_eq!(pairs(&fork(0.0)).len(), 4, "read to the last digit it would be a pair");
-        assert_eq!(pairs(&fork(0.1 / 2.0)).len(), 5, "in cells of 10 cm it is none");
+        assert_eq!(pairs(&fork(0.1 / SQRT_2)).len(), 5, "in cells of 10 cm it is none");
         // What goes on straight is sure enough.
         let through = [gateway(2.0, 0.0, 0.0), gateway(0.0, -2.0, -PI / 2.0), gateway(-2.0, 0.0, PI)];
-        let through = through.map(|one| Gateway { read_error: 0.1 / 2.0, ..one });
+        let through = through.map(|one| Gateway { read_error: 0.1 / SQRT_2, ..one });
         assert_eq!(pairs(&through), [(0, Some(2)), (1, None)]);
+    }
+
+    /// A way that is read three widths aside scores nothing, and yet may go on as another where centres are off.
+    #[test]
+    fn what_scores_nothing_may_be_ambiguous_too() {
+        let across = |aside: f64| {
+            let doors = [gateway(5.0, 0.0, 0.0), gateway(-5.0, 0.0, PI), gateway(-5.0, aside, PI)];
+            doors.map(|one| Gateway { read_error: 0.25, ..one })
+        };
+        let margin = |aside: f64| pair(&across(aside), &FragmentParameters::default())[0].margin;
+        // Two widths aside is where the score comes to nothing.
+        assert!((margin(3.999) - margin(4.001)).abs() < 0.01, "{} {}", margin(3.999), margin(4.001));
     }
 
     /// Whether two gateways pair, word for word, where what decides is stricter by a fraction, or laxer.
@@ -199,8 +211,9 @@ mod tests {
                 && bounds(end, other)[1] < (1.0 - by) * bounds(a, b)[0]
         };
         let rivals = (0..gateways.len()).filter(|&other| other != a && other != b);
-        let mut rivals =
-            rivals.flat_map(|other| [(a, other), (b, other)]).filter(|&(end, other)| score(end, other) > 0.0);
+        let mut rivals = rivals
+            .flat_map(|other| [(a, other), (b, other)])
+            .filter(|&(end, other)| bounds(end, other)[1] > 0.0);
         score(a, b) > (1.0 + by) * least_score && rivals.all(|(end, other)| leaves_behind(end, other))
     }
 
@@ -254,6 +267,27 @@ mod tests {
         outcome.unwrap();
         let all = [pairs.get(), ends.get(), taken.get()];
         assert!(all[0] > 50 && all[1] > 100 && all[2] > 5, "{all:?}");
+    }
+
+    proptest! {
+        /// Ends and centres are moved at random by as much as they may be read wrong.
+        #[test]
+        fn what_is_read_wrong_scores_within_its_bounds(
+            (offset, turned) in (-2.0..2.0, -0.5..0.5),
+            moves in prop::collection::vec((0.0..2.0 * PI, 0.0..0.1 / SQRT_2), 6),
+        ) {
+            let read = |one: Gateway| Gateway { read_error: 0.1 / SQRT_2, ..one };
+            let [a, b] = [gateway(2.0, 0.0, 0.0), gateway(-2.0, offset, PI + turned)].map(read);
+            let by = |k: usize| direction(moves[k].0) * moves[k].1;
+            let moved = |one: &Gateway, k: usize| {
+                let ends = [one.ends[0] + by(k), one.ends[1] + by(k + 1)];
+                let line = ends[0] - ends[1];
+                Gateway { center: one.center + by(k + 2), ends, bearing: (-line.x).atan2(line.y), ..one.clone() }
+            };
+            let score = symmetric_score(&moved(&a, 0), &moved(&b, 3));
+            let [least, most] = score_bounds(&a, &b);
+            prop_assert!(least - 0.02 <= score && score <= most + 0.02, "{} not in {} to {}", score, least, most);
+        }
     }
 
     #[test]
