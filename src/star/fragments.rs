@@ -189,16 +189,18 @@ mod tests {
         assert_eq!(pairs(&through), [(0, Some(2)), (1, None)]);
     }
 
-    /// A way that is read three widths aside scores nothing, and yet may go on as another where centres are off.
+    /// A way that is read two widths aside scores nothing, and yet may go on as another where centres are off.
     #[test]
     fn what_scores_nothing_may_be_ambiguous_too() {
         let across = |aside: f64| {
             let doors = [gateway(5.0, 0.0, 0.0), gateway(-5.0, 0.0, PI), gateway(-5.0, aside, PI)];
             doors.map(|one| Gateway { read_error: 0.25, ..one })
         };
-        let margin = |aside: f64| pair(&across(aside), &FragmentParameters::default())[0].margin;
+        let found = |aside: f64| pair(&across(aside), &FragmentParameters::default())[0];
         // Two widths aside is where the score comes to nothing.
-        assert!((margin(3.999) - margin(4.001)).abs() < 0.01, "{} {}", margin(3.999), margin(4.001));
+        let [nearly, none] = [3.999, 4.001].map(found);
+        assert_eq!([nearly.partner, none.partner], [None; 2]);
+        assert!((nearly.margin - none.margin).abs() < 0.01, "{nearly:?} {none:?}");
     }
 
     /// Whether two gateways pair, word for word, where what decides is stricter by a fraction, or laxer.
