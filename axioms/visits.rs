@@ -3,7 +3,8 @@
 use proptest::prelude::*;
 use topostar::geometry::{Point, Pose};
 use topostar::sensor::{LaserScan, MatchingParameters, ScanMatcher};
-use topostar::visit::{Stage, VisitDetector, VisitParameters};
+use topostar::star::{LargeScaleStar, PerceptionParameters, describe};
+use topostar::visit::{Stage, Visit, VisitDetector, VisitParameters};
 use topostar::worlds::drawing::Drawing;
 use topostar::worlds::{Explorer, drive};
 
@@ -113,6 +114,37 @@ fn a_corridor_alone_is_no_place_and_its_end_is_one() {
     assert_eq!(stages.len(), 1);
     let visit = &stages[0].visit;
     assert!(visit.arrival.scan < stops[1] && stops[1] < visit.departure.scan);
+}
+
+/// A corridor to the south that somebody shuts while the robot is at a dead end in the east, so far away. The star of the
+/// crossing before and after.
+fn shut_behind(dead_end: f64) -> [LargeScaleStar; 2] {
+    let open = Drawing::new()
+        .corridor((-20.0, 0.0), (dead_end + 1.2, 0.0), 2.0)
+        .corridor((0.0, 0.0), (0.0, 20.0), 2.0)
+        .corridor((0.0, 0.0), (0.0, -20.0), 2.0);
+    let shut = open.clone().block((-2.0, -3.0), (2.0, -2.0));
+    let explorer = Explorer { range_noise: 0.01, heading_drift: 0.0, length_drift: 0.0, seed: 1 };
+    let at = |x: f64, y: f64| Point::new(x, y);
+    let there = [at(-12.0, 0.0), at(dead_end, 0.0)];
+    let back = [at(dead_end, 0.0), at(0.0, 0.0), at(0.0, 14.0)];
+    let (mut scans, _) = drive(&open, &there, &explorer).unwrap();
+    scans.extend(drive(&shut, &back, &explorer).unwrap().0);
+    let stages = detect(&scans);
+    assert_eq!(stages.len(), 3);
+    [0, 2].map(|visit: usize| {
+        let Visit { center, lpm, .. } = &stages[visit].visit;
+        assert!(center.coords.norm() < 1.5, "{center}");
+        describe(lpm, &PerceptionParameters::default()).unwrap().star.large_scale()
+    })
+}
+
+/// What was told of a place holds as long as the walls that tell where the robot is.
+#[test]
+fn a_place_that_is_remembered_has_the_star_that_was_told() {
+    let same = |[before, now]: [LargeScaleStar; 2]| !before.alignments(&now).is_empty();
+    assert!(same(shut_behind(12.0)));
+    assert!(!same(shut_behind(24.0)));
 }
 
 #[test]

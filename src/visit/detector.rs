@@ -32,6 +32,8 @@ pub struct VisitDetector {
     last: Option<Found>,
     /// How many visits were given away.
     certain: usize,
+    /// Those of them that it left no longer ago than it remembers walls.
+    remembered: VecDeque<Visit>,
     /// Whether the log has ended.
     over: bool,
 }
@@ -71,6 +73,7 @@ impl VisitDetector {
             groups: Vec::new(),
             last: None,
             certain: 0,
+            remembered: VecDeque::new(),
             over: false,
         })
     }
@@ -171,6 +174,7 @@ impl VisitDetector {
         } else {
             self.keep(found);
             self.certain += 1;
+            self.remember(&last.stage.visit);
             Some(last.stage)
         }
     }
@@ -189,24 +193,53 @@ impl VisitDetector {
         self.last = Some(found);
     }
 
+    fn remember(&mut self, left: &Visit) {
+        let memory = self.parameters.matching.memory;
+        let since = left.departure.driven - memory;
+        while self.remembered.pop_front_if(|known| known.departure.driven < since).is_some() {}
+        self.remembered.push_back(left.clone());
+    }
+
     /// The visit that a group of sightings shows, if it is one: the robot was near, most of what it saw there agrees,
-    /// and the place as seen over the whole visit is one that the robot came into and left by its gateways.
+    /// and the place is one that the robot came into and left by its gateways.
     fn settle(&self, group: &Group) -> Option<Found> {
         let inside = group.near?;
         let sightings = self.agreeing(group, inside)?;
-        let at = |middle: &Point| Pose { x: middle.x, y: middle.y, ..inside[0].local_from_robot };
-        let center = group.center + self.read(&group.center, &at(&group.center))?.1.center.coords;
-        let (_, place) = self.read(&center, &at(&center))?;
-        let scans = inside.map(|moment| moment.scan);
-        let [arrival, departure] = passages(self.follower.moments(), scans, &center, &place.gateways)?;
-        let (lpm, _) = self.read(&center, &arrival.local_from_robot)?;
-        let visit = Visit { center, lpm, arrival, departure };
-        if !self.is_passed_through(&visit, self.last.is_none()) {
-            return None;
-        }
+        let visit = self.seen_again(group, inside).or_else(|| self.seen(group, inside))?;
+        let arrival = visit.arrival;
         let from = self.last.as_ref().map_or(0, |last| last.stage.visit.arrival.scan);
         let way = self.follower.between(from, arrival.scan).to_vec();
         Some(Found { stage: Stage { way, visit }, inside, sightings })
+    }
+
+    /// A visit to a place that the robot remembers, as it was seen on the visit before: scans are matched with walls that
+    /// were seen there, so that this is one place, and its star has been told. Where the robot did not pass through gateways
+    /// that it had then, it is read anew.
+    fn seen_again(&self, group: &Group, inside: [Moment; 2]) -> Option<Visit> {
+        let VisitParameters { matching, agreement, .. } = self.parameters;
+        let recent = |known: &&Visit| known.departure.driven + matching.memory >= inside[0].driven;
+        let same = |known: &&Visit| (known.center - group.center).norm() <= agreement;
+        let mut known = self.remembered.iter().rev().filter(recent).filter(same);
+        known.find_map(|known| self.passed(known.center, &known.lpm, inside))
+    }
+
+    /// A visit to a place as it was seen over the whole of it.
+    fn seen(&self, group: &Group, inside: [Moment; 2]) -> Option<Visit> {
+        let at = |middle: &Point| Pose { x: middle.x, y: middle.y, ..inside[0].local_from_robot };
+        let center = group.center + self.read(&group.center, &at(&group.center))?.1.center.coords;
+        let (lpm, _) = self.read(&center, &at(&center))?;
+        self.passed(center, &lpm, inside)
+    }
+
+    /// The visit on which the robot came into a place seen so, and left it, by its gateways, if it did.
+    fn passed(&self, center: Point, seen: &Lpm, inside: [Moment; 2]) -> Option<Visit> {
+        let place = describe(seen, &self.parameters.perception).ok()?;
+        let scans = inside.map(|moment| moment.scan);
+        let [arrival, departure] = passages(self.follower.moments(), scans, &center, &place.gateways)?;
+        let at = arrival.local_from_robot;
+        let lpm = Lpm { robot_pose: Pose { x: at.x - center.x, y: at.y - center.y, ..at }, ..seen.clone() };
+        let visit = Visit { center, lpm, arrival, departure };
+        self.is_passed_through(&visit, self.last.is_none()).then_some(visit)
     }
 
     /// How many sightings agree with a group while the robot was near, if these are enough.

@@ -72,7 +72,8 @@ pub struct Visit {
     /// The middle of the place.
     pub center: Point,
     /// What was seen over the whole visit, in a frame with the axes of the local frame and its origin in the middle of
-    /// the place. Its robot pose is that of the arrival.
+    /// the place. At a place that the robot left no longer ago than it remembers walls it is what was seen on the visit
+    /// before, if the robot came in and left by gateways that it had then. Its robot pose is that of the arrival.
     pub lpm: Lpm,
     /// The scan at which the robot came in, counted from 0, and its pose.
     pub arrival: Moment,

@@ -57,7 +57,7 @@ fn layings(name: &str) -> Vec<Vec<Stage>> {
 /// Visits, those to a place seen before, and those of them that have the star of the visit before, in all layings.
 #[test]
 fn places_of_cluttered_buildings_are_found_again() {
-    for ((name, layings), least) in CLUTTERED.iter().zip([[173, 48, 13], [131, 58, 35]]) {
+    for ((name, layings), least) in CLUTTERED.iter().zip([[173, 48, 30], [131, 58, 50]]) {
         let mut found = [0; 3];
         for stages in layings {
             let mut last: BTreeMap<usize, LargeScaleStar> = BTreeMap::new();
@@ -79,7 +79,7 @@ fn places_of_cluttered_buildings_are_found_again() {
 fn doubtful_readings_of_cluttered_buildings_are_mended_as_far_as_they_go() {
     let aces = mended("aces", &found_visits(&logs::scans("aces")));
     assert_eq!(aces, [15, 15]);
-    for ((name, layings), least) in CLUTTERED.iter().zip([[36, 90], [12, 64]]) {
+    for ((name, layings), least) in CLUTTERED.iter().zip([[45, 115], [12, 66]]) {
         let all = layings.iter().map(|stages| mended(name, stages));
         let sum = all.fold([0; 2], |sum, found| [sum[0] + found[0], sum[1] + found[1]]);
         println!("{name}: {sum:?} as read and with changes, in {LAYINGS} layings");
@@ -109,25 +109,31 @@ fn mended(name: &str, stages: &[Stage]) -> [usize; 2] {
         found.changes
     );
     assert!(found.changes.iter().all(|one| one.doubt <= Doubt::LIMIT), "{name}");
-    assert_eq!(found.changes.is_empty(), name == "aces" || as_read == found.explained, "{name}");
+    let unchanged = found.first > 0 || as_read == found.explained;
+    assert!(found.changes.is_empty() <= unchanged, "{name}");
     [as_read, found.explained]
 }
 
 /// How often the walls of two visits lie on each other: of all pairs that may be one place by the number of slots, those
-/// that are, under whichever rotation; and those that are not, under each.
+/// that are, under whichever rotation; and those that are not, under each. A visit that shows what one before did is not
+/// counted.
 #[test]
 fn walls_tell_places_apart() {
     let (mut one, mut two) = ([0; 2], [0; 2]);
     for name in ["aces", "mit-csail", "fr079"] {
         let stages = found_visits(&logs::scans(name));
         let places = if name == "aces" { ACES_PLACES.to_vec() } else { places(&stages) };
+        let shown =
+            |visit: usize| stages[..visit].iter().any(|s| s.visit.lpm.grid == stages[visit].visit.lpm.grid);
+        let read: Vec<usize> = (0..stages.len()).filter(|&visit| !shown(visit)).collect();
         let mut recorder = Recorder::default();
-        let events = stages.into_iter().flat_map(|stage| recorder.add(stage)).map(Arc::new);
+        let events = stages.iter().cloned().flat_map(|stage| recorder.add(stage)).map(Arc::new);
         let survey = Survey::of(&events.collect::<Vec<_>>()).unwrap();
         let shows: Vec<Neighbourhood> =
             (0..survey.len()).map(|visit| survey.neighbourhood(visit, &|| false).unwrap()).collect();
         let (mut right, mut wrong) = ([0; 2], [0; 2]);
-        for (later, first) in (0..shows.len()).flat_map(|later| (0..later).map(move |first| (later, first))) {
+        let pairs = (0..read.len()).flat_map(|k| (0..k).map(move |l| (k, l)));
+        for (later, first) in pairs.map(|(k, l)| (read[k], read[l])) {
             let alike = alike(&shows[first], &shows[later]);
             if alike.is_empty() {
                 continue;
