@@ -116,35 +116,58 @@ fn a_corridor_alone_is_no_place_and_its_end_is_one() {
     assert!(visit.arrival.scan < stops[1] && stops[1] < visit.departure.scan);
 }
 
-/// A corridor to the south that somebody shuts while the robot is at a dead end in the east, so far away. The star of the
-/// crossing before and after.
-fn shut_behind(dead_end: f64) -> [LargeScaleStar; 2] {
-    let open = Drawing::new()
-        .corridor((-20.0, 0.0), (dead_end + 1.2, 0.0), 2.0)
+/// Corridors to the north and south of one to the east that ends so far away.
+fn crossing_with_dead_end(end: f64) -> Drawing {
+    Drawing::new()
+        .corridor((-20.0, 0.0), (end + 1.2, 0.0), 2.0)
         .corridor((0.0, 0.0), (0.0, 20.0), 2.0)
-        .corridor((0.0, 0.0), (0.0, -20.0), 2.0);
-    let shut = open.clone().block((-2.0, -3.0), (2.0, -2.0));
+        .corridor((0.0, 0.0), (0.0, -20.0), 2.0)
+}
+
+/// The visits of a robot that goes past the crossing to the dead end, and back and off to the north, while the plan changes
+/// behind it.
+fn there_and_back(end: f64, before: &Drawing, after: &Drawing) -> Vec<Visit> {
     let explorer = Explorer { range_noise: 0.01, heading_drift: 0.0, length_drift: 0.0, seed: 1 };
     let at = |x: f64, y: f64| Point::new(x, y);
-    let there = [at(-12.0, 0.0), at(dead_end, 0.0)];
-    let back = [at(dead_end, 0.0), at(0.0, 0.0), at(0.0, 14.0)];
-    let (mut scans, _) = drive(&open, &there, &explorer).unwrap();
-    scans.extend(drive(&shut, &back, &explorer).unwrap().0);
-    let stages = detect(&scans);
-    assert_eq!(stages.len(), 3);
-    [0, 2].map(|visit: usize| {
-        let Visit { center, lpm, .. } = &stages[visit].visit;
-        assert!(center.coords.norm() < 1.5, "{center}");
-        describe(lpm, &PerceptionParameters::default()).unwrap().star.large_scale()
-    })
+    let (there, back) = ([at(-12.0, 0.0), at(end, 0.0)], [at(end, 0.0), at(0.0, 0.0), at(0.0, 14.0)]);
+    let (mut scans, _) = drive(before, &there, &explorer).unwrap();
+    scans.extend(drive(after, &back, &explorer).unwrap().0);
+    detect(&scans).into_iter().map(|stage| stage.visit).collect()
+}
+
+fn star(visit: &Visit) -> LargeScaleStar {
+    describe(&visit.lpm, &PerceptionParameters::default()).unwrap().star.large_scale()
 }
 
 /// What was told of a place holds as long as the walls that tell where the robot is.
 #[test]
 fn a_place_that_is_remembered_has_the_star_that_was_told() {
-    let same = |[before, now]: [LargeScaleStar; 2]| !before.alignments(&now).is_empty();
-    assert!(same(shut_behind(12.0)));
-    assert!(!same(shut_behind(24.0)));
+    let alike = |end: f64| {
+        let open = crossing_with_dead_end(end);
+        let shut = open.clone().block((-2.0, -3.0), (2.0, -2.0));
+        let visits = there_and_back(end, &open, &shut);
+        assert_eq!(visits.len(), 3);
+        let [before, now] = [&visits[0], &visits[2]];
+        assert!(before.center.coords.norm() < 1.5 && now.center.coords.norm() < 1.5);
+        !star(before).alignments(&star(now)).is_empty()
+    };
+    assert!(alike(12.0));
+    assert!(!alike(24.0));
+}
+
+/// What was no place when the robot passed is one if it turns out to be while the robot remembers the walls.
+#[test]
+fn a_place_that_was_passed_before_it_was_known_was_visited() {
+    let visits = |end: f64| {
+        let open = crossing_with_dead_end(end);
+        let shut = open.clone().block((-2.0, 1.0), (2.0, 20.0)).block((-2.0, -20.0), (2.0, -1.0));
+        there_and_back(end, &shut, &open)
+    };
+    let near = visits(9.0);
+    assert_eq!(near.len(), 3);
+    assert_eq!((near[0].center, star(&near[0])), (near[2].center, star(&near[2])));
+    assert!(near[0].departure.scan < near[1].arrival.scan && near[0].arrival.scan < near[0].departure.scan);
+    assert_eq!(visits(24.0).len(), 2);
 }
 
 #[test]

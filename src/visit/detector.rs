@@ -1,23 +1,24 @@
 //! Finds visits in a stream of scans.
 
-use crate::geometry::{Point, Pose, wrap_angle};
+use crate::geometry::{Point, Pose};
 use crate::grid::GridError;
 use crate::lpm::Lpm;
 use crate::sensor::{LaserScan, LocalPose};
 use crate::star::{PlaceDescription, describe};
 use crate::visit::follower::Follower;
-use crate::visit::passage::passages;
+use crate::visit::passage::{is_left, passed};
+use crate::visit::recollection::Recollection;
 use crate::visit::sighting::{Seen, Sighting, is_passage, look};
 use crate::visit::{Moment, Stage, Visit, VisitParameters};
 use std::collections::VecDeque;
-use std::f64::consts::FRAC_PI_3;
 
 /// A robot that comes back to the place it left last, within so many metres and without another place on the way, has
 /// not left it: it has looked around.
 const LOOKS_AROUND: f64 = 60.0;
 
-/// Takes scans one by one and gives visits, each as soon as the next one has begun. Memory is bounded by the window
-/// and by the way between two visits.
+/// Takes scans one by one and gives visits, each when the robot has come to another place and no longer remembers the walls of
+/// that one: until then it may learn that it passed a place on the way. Memory is bounded by the window and by the way between
+/// two visits.
 #[derive(Clone, Debug)]
 pub struct VisitDetector {
     parameters: VisitParameters,
@@ -30,10 +31,8 @@ pub struct VisitDetector {
     groups: Vec<Group>,
     /// The last visit, which the robot may return to.
     last: Option<Found>,
-    /// How many visits were given away.
-    certain: usize,
-    /// Those of them that it left no longer ago than it remembers walls.
-    remembered: VecDeque<Visit>,
+    /// Those before it, as far as they are not given away.
+    recollection: Recollection,
     /// Whether the log has ended.
     over: bool,
 }
@@ -51,15 +50,13 @@ struct Group {
 /// A visit, and how well it was seen.
 #[derive(Clone, Debug)]
 struct Found {
-    stage: Stage,
+    visit: Visit,
     inside: [Moment; 2],
     sightings: usize,
 }
 
 /// A place is left when the robot has driven so many metres on without being near.
 const GONE: f64 = 3.0;
-/// A robot that leaves more than 60 degrees beside a gateway does not leave by it.
-const SIDEWAYS: f64 = FRAC_PI_3;
 
 impl VisitDetector {
     /// A robot that has seen nothing yet; refuses a grid that is too large to be made.
@@ -72,8 +69,7 @@ impl VisitDetector {
             sightings: VecDeque::new(),
             groups: Vec::new(),
             last: None,
-            certain: 0,
-            remembered: VecDeque::new(),
+            recollection: Recollection::default(),
             over: false,
         })
     }
@@ -118,9 +114,12 @@ impl VisitDetector {
             certain.extend(self.judge(due));
         }
         for group in std::mem::take(&mut self.groups) {
-            certain.extend(self.close(group));
+            self.close(&group);
         }
-        certain.extend(self.last.take().map(|found| found.stage));
+        if let Some(last) = self.last.take() {
+            self.recollection.add(last.visit, last.inside, self.follower.moments(), &self.parameters);
+        }
+        certain.extend(self.recollection.finish(self.follower.moments()));
         certain
     }
 
@@ -137,7 +136,19 @@ impl VisitDetector {
             .into_iter()
             .partition(|group| group.last + GONE >= moment.driven);
         self.groups = open;
-        closed.into_iter().filter_map(|group| self.close(group)).collect()
+        closed.iter().for_each(|group| self.close(group));
+        self.due()
+    }
+
+    /// The visits that are certain.
+    fn due(&mut self) -> Vec<Stage> {
+        let Some(Found { visit: Visit { arrival, .. }, .. }) = &self.last else { return Vec::new() };
+        let memory = self.parameters.matching.memory;
+        let due = self.recollection.due(arrival, self.follower.moments(), memory);
+        if let Some(told) = self.recollection.told() {
+            self.follower.forget_before(&told.arrival);
+        }
+        due
     }
 
     fn join(&mut self, seen: Seen, moment: Moment) {
@@ -151,53 +162,38 @@ impl VisitDetector {
         }
     }
 
-    /// Decides whether a group was a visit; gives the visit before it, which is certain then.
-    fn close(&mut self, group: Group) -> Option<Stage> {
-        let found = self.settle(&group)?;
-        let Some(last) = self.last.take() else {
-            self.keep(found);
-            return None;
-        };
+    /// Decides whether a group was a visit.
+    fn close(&mut self, group: &Group) {
+        let Some(found) = self.settle(group) else { return };
+        let Some(last) = self.last.take() else { return self.last = Some(found) };
         let apart = found.inside[0].driven - last.inside[1].driven;
-        let same =
-            (found.stage.visit.center - last.stage.visit.center).norm() <= 2.0 * self.parameters.agreement;
-        let overlaps = found.stage.visit.arrival.driven < last.inside[1].driven
+        let same = (found.visit.center - last.visit.center).norm() <= 2.0 * self.parameters.agreement;
+        let overlaps = found.visit.arrival.driven < last.inside[1].driven
             || found.is_within(&last)
             || last.is_within(&found);
-        if same && apart <= LOOKS_AROUND {
-            self.keep(self.joined(last, found));
-            None
+        self.last = Some(if same && apart <= LOOKS_AROUND {
+            self.joined(last, found)
         } else if overlaps {
             // Two middles of one place: the one that was seen more often stays.
-            self.keep(if found.sightings > last.sightings { found.instead_of(last) } else { last });
-            None
+            if found.sightings > last.sightings { found } else { last }
         } else {
-            self.keep(found);
-            self.certain += 1;
-            self.remember(&last.stage.visit);
-            Some(last.stage)
-        }
+            self.recollection.add(last.visit, last.inside, self.follower.moments(), &self.parameters);
+            found
+        });
     }
 
     /// One stay of two at the same place: as seen last, or else as seen first, whichever the robot passed through.
     fn joined(&self, last: Found, found: Found) -> Found {
-        let first = self.certain == 0;
-        let latest = last.clone().prolonged(&found, &found.stage.visit);
-        let earliest = last.clone().prolonged(&found, &last.stage.visit);
-        let understood = |found: &Found| self.is_passed_through(&found.stage.visit, first);
-        [latest, earliest].into_iter().find(understood).unwrap_or_else(|| found.instead_of(last))
+        let first = self.is_first();
+        let latest = last.clone().prolonged(&found, &found.visit);
+        let earliest = last.clone().prolonged(&found, &last.visit);
+        let understood = |found: &Found| self.is_passed_through(&found.visit, first);
+        [latest, earliest].into_iter().find(understood).unwrap_or(found)
     }
 
-    fn keep(&mut self, found: Found) {
-        self.follower.forget_before(&found.stage.visit.arrival);
-        self.last = Some(found);
-    }
-
-    fn remember(&mut self, left: &Visit) {
-        let memory = self.parameters.matching.memory;
-        let since = left.departure.driven - memory;
-        while self.remembered.pop_front_if(|known| known.departure.driven < since).is_some() {}
-        self.remembered.push_back(left.clone());
+    /// Whether the robot was at no place before the last one.
+    fn is_first(&self) -> bool {
+        self.recollection.told().is_none() && self.recollection.latest().next().is_none()
     }
 
     /// The visit that a group of sightings shows, if it is one: the robot was near, most of what it saw there agrees,
@@ -206,20 +202,17 @@ impl VisitDetector {
         let inside = group.near?;
         let sightings = self.agreeing(group, inside)?;
         let visit = self.seen_again(group, inside).or_else(|| self.seen(group, inside))?;
-        let arrival = visit.arrival;
-        let from = self.last.as_ref().map_or(0, |last| last.stage.visit.arrival.scan);
-        let way = self.follower.between(from, arrival.scan).to_vec();
-        Some(Found { stage: Stage { way, visit }, inside, sightings })
+        Some(Found { visit, inside, sightings })
     }
 
     /// A visit to a place that the robot remembers, as it was seen on the visit before: scans are matched with walls that
-    /// were seen there, so that this is one place, and its star has been told. Where the robot did not pass through gateways
-    /// that it had then, it is read anew.
+    /// were seen there, so that this is one place. Where the robot did not pass through gateways that it had then, it is read
+    /// anew.
     fn seen_again(&self, group: &Group, inside: [Moment; 2]) -> Option<Visit> {
         let VisitParameters { matching, agreement, .. } = self.parameters;
         let recent = |known: &&Visit| known.departure.driven + matching.memory >= inside[0].driven;
         let same = |known: &&Visit| (known.center - group.center).norm() <= agreement;
-        let mut known = self.remembered.iter().rev().filter(recent).filter(same);
+        let mut known = self.recollection.latest().filter(recent).filter(same);
         known.find_map(|known| self.passed(known.center, &known.lpm, inside))
     }
 
@@ -233,12 +226,8 @@ impl VisitDetector {
 
     /// The visit on which the robot came into a place seen so, and left it, by its gateways, if it did.
     fn passed(&self, center: Point, seen: &Lpm, inside: [Moment; 2]) -> Option<Visit> {
-        let place = describe(seen, &self.parameters.perception).ok()?;
         let scans = inside.map(|moment| moment.scan);
-        let [arrival, departure] = passages(self.follower.moments(), scans, &center, &place.gateways)?;
-        let at = arrival.local_from_robot;
-        let lpm = Lpm { robot_pose: Pose { x: at.x - center.x, y: at.y - center.y, ..at }, ..seen.clone() };
-        let visit = Visit { center, lpm, arrival, departure };
+        let visit = passed(&center, seen, self.follower.moments(), scans, &self.parameters.perception)?;
         self.is_passed_through(&visit, self.last.is_none()).then_some(visit)
     }
 
@@ -259,9 +248,7 @@ impl VisitDetector {
         let Ok(place) = describe(&visit.lpm, &self.parameters.perception) else { return false };
         let now = self.follower.moments().last();
         let ended = self.over && now.is_none_or(|last| last.scan == visit.departure.scan);
-        let out = visit.way_out();
-        let gateway = place.outward_slot_toward(out).and_then(|slot| place.star.slot(slot)?.bearing);
-        let left = gateway.is_some_and(|bearing| wrap_angle(bearing - out).abs() <= SIDEWAYS);
+        let left = is_left(visit, &place);
         // A robot that starts off does not see what is behind it.
         let closed_behind = first && place.gateways.len() == 1 && place.arrival.is_none();
         // Nor does one that stops see, in time, what is far ahead.
@@ -302,7 +289,7 @@ impl Found {
     /// Whether the robot came to this place and left it without having left another that it was at.
     fn is_within(&self, other: &Found) -> bool {
         let [stay, around] = [self, other].map(|found| {
-            let Visit { arrival, departure, .. } = &found.stage.visit;
+            let Visit { arrival, departure, .. } = &found.visit;
             arrival.driven..=departure.driven
         });
         around.contains(stay.start()) && around.contains(stay.end())
@@ -310,24 +297,13 @@ impl Found {
 
     /// A stay that goes on until the end of the next, at the place as it is in one of them.
     fn prolonged(mut self, next: &Found, seen: &Visit) -> Found {
-        let Visit { arrival, .. } = self.stage.visit;
+        let Visit { arrival, .. } = self.visit;
         let (center, at) = (seen.center, arrival.local_from_robot);
         let mut lpm = seen.lpm.clone();
         lpm.robot_pose = Pose { x: at.x - center.x, y: at.y - center.y, ..at };
-        self.stage.visit = Visit { center, lpm, arrival, departure: next.stage.visit.departure };
+        self.visit = Visit { center, lpm, arrival, departure: next.visit.departure };
         self.inside[1] = next.inside[1];
         self.sightings += next.sightings;
-        self
-    }
-
-    /// A visit in place of one that was seen less well; its way goes on from the same visit before.
-    fn instead_of(mut self, other: Found) -> Found {
-        let arrival = self.stage.visit.arrival.scan;
-        let last = other.stage.way.last().map_or(0, |moment| moment.scan);
-        let mut way: Vec<Moment> =
-            other.stage.way.into_iter().filter(|moment| moment.scan <= arrival).collect();
-        way.extend(self.stage.way.iter().filter(|moment| moment.scan > last));
-        self.stage.way = way;
         self
     }
 }

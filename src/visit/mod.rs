@@ -10,6 +10,7 @@ mod detector;
 pub mod drift;
 mod follower;
 mod passage;
+mod recollection;
 pub mod relations;
 mod sighting;
 pub mod truth;

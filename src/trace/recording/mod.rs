@@ -36,12 +36,14 @@ impl Recorder {
     }
 }
 
-/// The travel from a visit to the end of a way that began with its arrival. Its covariance is that of the whole way, as
-/// the place and the next arrival are measured by the same poses.
+/// The travel from a visit to the end of a way that began with its arrival. Where the robot was in the next place before it was
+/// out of the last one, that is where it starts and ends. Its covariance is that of the whole way, as the place and the next
+/// arrival are measured by the same poses.
 fn travel(from: &Visit, way: &[Moment]) -> Travel {
-    let start = from.departure.local_from_robot;
+    let left = way.last().filter(|arrival| arrival.scan < from.departure.scan).unwrap_or(&from.departure);
+    let start = left.local_from_robot;
     let from_pose = Pose { x: start.x - from.center.x, y: start.y - from.center.y, ..start };
-    let driven = &way[way.partition_point(|moment| moment.scan < from.departure.scan)..];
+    let driven = &way[way.partition_point(|moment| moment.scan < left.scan)..];
     let seen = |moment: &Moment| start.inverse().compose(&moment.local_from_robot);
     let covariance = drift::covariance(way, &start);
     Travel {
