@@ -4,6 +4,8 @@ use proptest::prelude::*;
 use topostar::geometry::{Point, Pose};
 use topostar::sensor::{LaserScan, MatchingParameters, ScanMatcher};
 use topostar::star::{LargeScaleStar, PerceptionParameters, describe};
+use topostar::trace::EventKind;
+use topostar::trace::recording::Recorder;
 use topostar::visit::{Stage, Visit, VisitDetector, VisitParameters};
 use topostar::worlds::drawing::Drawing;
 use topostar::worlds::{Explorer, drive};
@@ -16,7 +18,11 @@ fn crossing(column: usize, row: usize) -> Point {
 }
 
 fn corridors(columns: usize, rows: usize) -> Drawing {
-    let at = |(column, row): (usize, usize)| (column as f64 * SPACING, row as f64 * SPACING);
+    corridors_apart(SPACING, columns, rows)
+}
+
+fn corridors_apart(spacing: f64, columns: usize, rows: usize) -> Drawing {
+    let at = |(column, row): (usize, usize)| (column as f64 * spacing, row as f64 * spacing);
     let across = (0..rows).map(|row| (at((0, row)), at((columns - 1, row))));
     let along = (0..columns).map(|column| (at((column, 0)), at((column, rows - 1))));
     // The ends of corridors are square, so that corners are filled by making them longer by their half width.
@@ -82,6 +88,33 @@ proptest! {
             prop_assert_eq!(way.last().map(|moment| moment.scan), Some(visit.arrival.scan));
             let before = k.checked_sub(1).map_or(0, |k| stages[k].visit.arrival.scan);
             prop_assert_eq!(way.first().map(|moment| moment.scan), Some(before));
+        }
+    }
+
+    /// Also where places are so near to each other that one cannot always be told from the next.
+    #[test]
+    fn visits_come_in_their_order(
+        spacing in 3.5..6.5,
+        choices in prop::collection::vec(any::<u8>(), 8..16),
+        seed in any::<u64>(),
+        heading_drift in -0.003..0.003,
+    ) {
+        let route: Vec<Point> = walk(3, 3, &choices).iter().map(|at| at * (spacing / SPACING)).collect();
+        let explorer = Explorer { range_noise: 0.02, heading_drift, length_drift: 0.0, seed };
+        let (scans, _) = drive(&corridors_apart(spacing, 3, 3), &route, &explorer).unwrap();
+        let stages = detect(&scans);
+        let mut last = 0;
+        for (k, Stage { way, visit }) in stages.iter().enumerate() {
+            let [arrival, departure] = [visit.arrival.scan, visit.departure.scan];
+            prop_assert!(arrival <= departure && (k == 0 || last < arrival), "{k}: {last} {arrival} {departure}");
+            prop_assert_eq!(way.first().map(|moment| moment.scan), Some(last));
+            prop_assert_eq!(way.last().map(|moment| moment.scan), Some(arrival));
+            last = arrival;
+        }
+        let mut recorder = Recorder::default();
+        for event in stages.into_iter().flat_map(|stage| recorder.add(stage)) {
+            let EventKind::Travel(travel) = event.kind else { continue };
+            prop_assert!(travel.odometry.is_some() && travel.covariance.is_some());
         }
     }
 
@@ -168,6 +201,27 @@ fn a_place_that_was_passed_before_it_was_known_was_visited() {
     assert_eq!((near[0].center, star(&near[0])), (near[2].center, star(&near[2])));
     assert!(near[0].departure.scan < near[1].arrival.scan && near[0].arrival.scan < near[0].departure.scan);
     assert_eq!(visits(24.0).len(), 2);
+}
+
+/// A robot that drives along on the other side of a thin wall is not at the place that is there.
+#[test]
+fn a_wall_parts_a_place_from_who_drives_by_behind_it() {
+    for (off, reach) in [(0.25, 6.0), (0.25, 8.0), (0.3, 11.0)] {
+        let plan = Drawing::new()
+            .corridor((-12.0, 0.0), (12.0, 0.0), 2.0)
+            .corridor((0.0, 0.0), (0.0, -12.0), 2.0)
+            .corridor((-12.0, 2.1), (12.0, 2.1), 2.0)
+            .corridor((12.0, -1.0), (12.0, 3.1), 2.0);
+        let at = |x: f64, y: f64| Point::new(x, y);
+        let beside = 1.1 + off;
+        let route = [at(0.0, -8.0), at(0.0, 0.0), at(12.0, 0.0), at(12.0, beside), at(-reach, beside)];
+        let explorer = Explorer { range_noise: 0.01, heading_drift: 0.0, length_drift: 0.0, seed: 1 };
+        let (scans, stops) = drive(&plan, &route, &explorer).unwrap();
+        let visits: Vec<Visit> = detect(&scans).into_iter().map(|stage| stage.visit).collect();
+        let there = visits.iter().filter(|visit| visit.center.coords.norm() < 1.0);
+        let behind = there.filter(|visit| visit.departure.scan > stops[3]);
+        assert_eq!(behind.count(), 0, "{off} {reach}");
+    }
 }
 
 #[test]

@@ -6,10 +6,10 @@ use crate::lpm::Lpm;
 use crate::sensor::{LaserScan, LocalPose};
 use crate::star::{PlaceDescription, describe};
 use crate::visit::follower::Follower;
-use crate::visit::passage::{is_left, passed};
 use crate::visit::recollection::Recollection;
 use crate::visit::sighting::{Seen, Sighting, is_passage, look};
-use crate::visit::{Moment, Stage, Visit, VisitParameters};
+use crate::visit::stay::Stay;
+use crate::visit::{Moment, Stage, VisitParameters};
 use std::collections::VecDeque;
 
 /// A robot that comes back to the place it left last, within so many metres and without another place on the way, has
@@ -17,8 +17,8 @@ use std::collections::VecDeque;
 const LOOKS_AROUND: f64 = 60.0;
 
 /// Takes scans one by one and gives visits, each when the robot has come to another place and no longer remembers the walls of
-/// that one: until then it may learn that it passed a place on the way. Memory is bounded by the window and by the way between
-/// two visits.
+/// that one: until then it may learn that it passed a place on the way. Memory is bounded by the window, the visits on as much of the
+/// way, and the way between two visits.
 #[derive(Clone, Debug)]
 pub struct VisitDetector {
     parameters: VisitParameters,
@@ -50,8 +50,7 @@ struct Group {
 /// A visit, and how well it was seen.
 #[derive(Clone, Debug)]
 struct Found {
-    visit: Visit,
-    inside: [Moment; 2],
+    stay: Stay,
     sightings: usize,
 }
 
@@ -69,7 +68,7 @@ impl VisitDetector {
             sightings: VecDeque::new(),
             groups: Vec::new(),
             last: None,
-            recollection: Recollection::default(),
+            recollection: Recollection::new(parameters),
             over: false,
         })
     }
@@ -117,7 +116,7 @@ impl VisitDetector {
             self.close(&group);
         }
         if let Some(last) = self.last.take() {
-            self.recollection.add(last.visit, last.inside, self.follower.moments(), &self.parameters);
+            self.recollection.add(last.stay, self.follower.moments());
         }
         certain.extend(self.recollection.finish(self.follower.moments()));
         certain
@@ -142,9 +141,8 @@ impl VisitDetector {
 
     /// The visits that are certain.
     fn due(&mut self) -> Vec<Stage> {
-        let Some(Found { visit: Visit { arrival, .. }, .. }) = &self.last else { return Vec::new() };
-        let memory = self.parameters.matching.memory;
-        let due = self.recollection.due(arrival, self.follower.moments(), memory);
+        let Some(last) = &self.last else { return Vec::new() };
+        let due = self.recollection.due(&last.stay.visit.arrival, self.follower.moments());
         if let Some(told) = self.recollection.told() {
             self.follower.forget_before(&told.arrival);
         }
@@ -166,34 +164,39 @@ impl VisitDetector {
     fn close(&mut self, group: &Group) {
         let Some(found) = self.settle(group) else { return };
         let Some(last) = self.last.take() else { return self.last = Some(found) };
-        let apart = found.inside[0].driven - last.inside[1].driven;
-        let same = (found.visit.center - last.visit.center).norm() <= 2.0 * self.parameters.agreement;
-        let overlaps = found.visit.arrival.driven < last.inside[1].driven
-            || found.is_within(&last)
-            || last.is_within(&found);
+        let [stay, before] = [&found, &last].map(|found| &found.stay);
+        let same = self.parameters.is_one_place(&stay.visit.center, &before.visit.center);
+        let apart = stay.inside[0].driven - before.inside[1].driven;
+        let overlaps = stay.visit.arrival.driven < before.inside[1].driven
+            || stay.is_within(before)
+            || before.is_within(stay);
         self.last = Some(if same && apart <= LOOKS_AROUND {
-            self.joined(last, found)
+            self.joined(&last, found)
         } else if overlaps {
             // Two middles of one place: the one that was seen more often stays.
-            if found.sightings > last.sightings { found } else { last }
+            if found.sightings > last.sightings && self.is_next(&found) { found } else { last }
         } else {
-            self.recollection.add(last.visit, last.inside, self.follower.moments(), &self.parameters);
+            self.recollection.add(last.stay, self.follower.moments());
             found
         });
     }
 
-    /// One stay of two at the same place: as seen last, or else as seen first, whichever the robot passed through.
-    fn joined(&self, last: Found, found: Found) -> Found {
-        let first = self.is_first();
-        let latest = last.clone().prolonged(&found, &found.visit);
-        let earliest = last.clone().prolonged(&found, &last.visit);
-        let understood = |found: &Found| self.is_passed_through(&found.visit, first);
-        [latest, earliest].into_iter().find(understood).unwrap_or(found)
+    /// Whether it may come after all before the last one: it does not overlap them, and is elsewhere.
+    fn is_next(&self, found: &Found) -> bool {
+        let elsewhere =
+            |one: &Stay| !self.parameters.is_one_place(&one.visit.center, &found.stay.visit.center);
+        let comes_after = |one: &Stay| one.is_over_before(&found.stay) && elsewhere(one);
+        self.recollection.before().is_none_or(comes_after)
     }
 
-    /// Whether the robot was at no place before the last one.
-    fn is_first(&self) -> bool {
-        self.recollection.told().is_none() && self.recollection.latest().next().is_none()
+    /// One stay of two at the same place: as seen last, or else as seen first, whichever the robot passed through.
+    fn joined(&self, last: &Found, found: Found) -> Found {
+        let first = self.recollection.before().is_none();
+        let sightings = last.sightings + found.sightings;
+        let [latest, earliest] = [&found, last].map(|seen| last.stay.prolonged(&found.stay, &seen.stay));
+        let understood = |stay: &Stay| self.is_passed_through(stay, first);
+        let joined = [latest, earliest].into_iter().find(understood);
+        joined.map(|stay| Found { stay, sightings }).unwrap_or(found)
     }
 
     /// The visit that a group of sightings shows, if it is one: the robot was near, most of what it saw there agrees,
@@ -201,34 +204,30 @@ impl VisitDetector {
     fn settle(&self, group: &Group) -> Option<Found> {
         let inside = group.near?;
         let sightings = self.agreeing(group, inside)?;
-        let visit = self.seen_again(group, inside).or_else(|| self.seen(group, inside))?;
-        Some(Found { visit, inside, sightings })
+        let stay = self.seen_again(group, inside).or_else(|| self.seen(group, inside))?;
+        Some(Found { stay, sightings })
     }
 
-    /// A visit to a place that the robot remembers, as it was seen on the visit before: scans are matched with walls that
-    /// were seen there, so that this is one place. Where the robot did not pass through gateways that it had then, it is read
-    /// anew.
-    fn seen_again(&self, group: &Group, inside: [Moment; 2]) -> Option<Visit> {
-        let VisitParameters { matching, agreement, .. } = self.parameters;
-        let recent = |known: &&Visit| known.departure.driven + matching.memory >= inside[0].driven;
-        let same = |known: &&Visit| (known.center - group.center).norm() <= agreement;
-        let mut known = self.recollection.latest().filter(recent).filter(same);
-        known.find_map(|known| self.passed(known.center, &known.lpm, inside))
+    /// A stay at a place as it was read before, as long as the walls are remembered that it was read by: scans are matched with
+    /// them, so that this is one place. Where the robot did not pass through gateways that it had then, it is read anew.
+    fn seen_again(&self, group: &Group, inside: [Moment; 2]) -> Option<Stay> {
+        let VisitParameters { matching, agreement, perception, .. } = &self.parameters;
+        let same = |known: &&Stay| (known.visit.center - group.center).norm() <= *agreement;
+        let known = self.recollection.latest().filter(same);
+        let mut known = known.filter(|known| known.is_remembered(&inside[0], matching.memory));
+        known.find_map(|known| {
+            let again = known.again(self.follower.moments(), inside, perception)?;
+            self.is_passed_through(&again, self.last.is_none()).then_some(again)
+        })
     }
 
-    /// A visit to a place as it was seen over the whole of it.
-    fn seen(&self, group: &Group, inside: [Moment; 2]) -> Option<Visit> {
+    /// A stay at a place as it was seen over the whole of it.
+    fn seen(&self, group: &Group, inside: [Moment; 2]) -> Option<Stay> {
         let at = |middle: &Point| Pose { x: middle.x, y: middle.y, ..inside[0].local_from_robot };
         let center = group.center + self.read(&group.center, &at(&group.center))?.1.center.coords;
         let (lpm, _) = self.read(&center, &at(&center))?;
-        self.passed(center, &lpm, inside)
-    }
-
-    /// The visit on which the robot came into a place seen so, and left it, by its gateways, if it did.
-    fn passed(&self, center: Point, seen: &Lpm, inside: [Moment; 2]) -> Option<Visit> {
-        let scans = inside.map(|moment| moment.scan);
-        let visit = passed(&center, seen, self.follower.moments(), scans, &self.parameters.perception)?;
-        self.is_passed_through(&visit, self.last.is_none()).then_some(visit)
+        let stay = Stay::new(&center, &lpm, self.follower.moments(), inside, &self.parameters.perception)?;
+        self.is_passed_through(&stay, self.last.is_none()).then_some(stay)
     }
 
     /// How many sightings agree with a group while the robot was near, if these are enough.
@@ -244,11 +243,12 @@ impl VisitDetector {
 
     /// Whether the trace can tell of a visit: by which gateway the robot came in, unless the log began there, and by
     /// which it left, unless the log ended there. Where a robot passes and no gateway is, the place was not understood.
-    fn is_passed_through(&self, visit: &Visit, first: bool) -> bool {
+    fn is_passed_through(&self, stay: &Stay, first: bool) -> bool {
+        let visit = &stay.visit;
         let Ok(place) = describe(&visit.lpm, &self.parameters.perception) else { return false };
         let now = self.follower.moments().last();
         let ended = self.over && now.is_none_or(|last| last.scan == visit.departure.scan);
-        let left = is_left(visit, &place);
+        let left = stay.is_left(&place);
         // A robot that starts off does not see what is behind it.
         let closed_behind = first && place.gateways.len() == 1 && place.arrival.is_none();
         // Nor does one that stops see, in time, what is far ahead.
@@ -282,29 +282,6 @@ impl Group {
             self.near = Some([first, moment]);
         }
         self.last = moment.driven;
-    }
-}
-
-impl Found {
-    /// Whether the robot came to this place and left it without having left another that it was at.
-    fn is_within(&self, other: &Found) -> bool {
-        let [stay, around] = [self, other].map(|found| {
-            let Visit { arrival, departure, .. } = &found.visit;
-            arrival.driven..=departure.driven
-        });
-        around.contains(stay.start()) && around.contains(stay.end())
-    }
-
-    /// A stay that goes on until the end of the next, at the place as it is in one of them.
-    fn prolonged(mut self, next: &Found, seen: &Visit) -> Found {
-        let Visit { arrival, .. } = self.visit;
-        let (center, at) = (seen.center, arrival.local_from_robot);
-        let mut lpm = seen.lpm.clone();
-        lpm.robot_pose = Pose { x: at.x - center.x, y: at.y - center.y, ..at };
-        self.visit = Visit { center, lpm, arrival, departure: next.visit.departure };
-        self.inside[1] = next.inside[1];
-        self.sightings += next.sightings;
-        self
     }
 }
 

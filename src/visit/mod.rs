@@ -13,6 +13,7 @@ mod passage;
 mod recollection;
 pub mod relations;
 mod sighting;
+mod stay;
 pub mod truth;
 
 pub use annotated::{AnnotatedVisits, ArrivalsError};
@@ -67,14 +68,21 @@ impl Default for VisitParameters {
     }
 }
 
+impl VisitParameters {
+    /// Whether two middles, each found on one visit, are of one place.
+    pub(crate) fn is_one_place(&self, one: &Point, other: &Point) -> bool {
+        (one - other).norm() <= 2.0 * self.agreement
+    }
+}
+
 /// A stay of the robot at a place. Poses are in the local frame of scan matching.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Visit {
     /// The middle of the place.
     pub center: Point,
     /// What was seen over the whole visit, in a frame with the axes of the local frame and its origin in the middle of
-    /// the place. At a place that the robot left no longer ago than it remembers walls it is what was seen on the visit
-    /// before, if the robot came in and left by gateways that it had then. Its robot pose is that of the arrival.
+    /// the place. Where the place was read before, and its walls of then are remembered still, it is what was seen then, if the
+    /// robot came in and left by gateways that it had. Its robot pose is that of the arrival.
     pub lpm: Lpm,
     /// The scan at which the robot came in, counted from 0, and its pose.
     pub arrival: Moment,

@@ -1,47 +1,11 @@
 //! Where the robot came into a place, and where it left it: when it passed the line of a gateway.
 
 use crate::gateway::Gateway;
-use crate::geometry::{Point, Pose, wrap_angle};
-use crate::lpm::Lpm;
-use crate::star::{PerceptionParameters, PlaceDescription, describe};
-use crate::visit::sighting::is_passage;
-use crate::visit::{Moment, Visit};
-use std::f64::consts::FRAC_PI_3;
-
-/// A robot that leaves more than 60 degrees beside a gateway does not leave by it.
-const SIDEWAYS: f64 = FRAC_PI_3;
+use crate::geometry::Point;
+use crate::visit::Moment;
 
 /// A robot that passes a gateway may be this far beside it, metres: its half width.
 const BESIDE: f64 = 0.3;
-
-/// The visit to a place that was seen so, from when the robot came in to when it left, where it was inside at two scans of its
-/// way.
-pub(super) fn passed(
-    center: &Point,
-    seen: &Lpm,
-    way: &[Moment],
-    inside: [usize; 2],
-    perception: &PerceptionParameters,
-) -> Option<Visit> {
-    let place = describe(seen, perception).ok()?;
-    let [arrival, departure] = passages(way, inside, center, &place.gateways)?;
-    let at = arrival.local_from_robot;
-    let lpm = Lpm { robot_pose: Pose { x: at.x - center.x, y: at.y - center.y, ..at }, ..seen.clone() };
-    Some(Visit { center: *center, lpm, arrival, departure })
-}
-
-/// Whether a robot came into a place by a gateway, left it by one, and did not just go on along a path.
-pub(super) fn is_through(visit: &Visit, perception: &PerceptionParameters) -> bool {
-    let came = |place: &PlaceDescription| place.arrival.is_some() && !is_passage(place);
-    describe(&visit.lpm, perception).is_ok_and(|place| came(&place) && is_left(visit, &place))
-}
-
-/// Whether a robot left a place by a gateway.
-pub(super) fn is_left(visit: &Visit, place: &PlaceDescription) -> bool {
-    let out = visit.way_out();
-    let gateway = place.outward_slot_toward(out).and_then(|slot| place.star.slot(slot)?.bearing);
-    gateway.is_some_and(|bearing| wrap_angle(bearing - out).abs() <= SIDEWAYS)
-}
 
 /// The first moment at which the robot was at the place, and the first at which it had left it, by the lines of its
 /// gateways. `way` is all that is known of its way; at the scans `inside` it is at the place. A robot that was at the

@@ -1,127 +1,106 @@
-//! Visits that are not told yet, and what is known now of the way before them and after.
+//! Visits that are not told yet, and what is known now of the ways between them.
 //!
 //! A place is often understood only when the robot has come by more than once: on its way out it saw too little of it, or
 //! went past a door that it uses later. As long as it remembers walls, its scans are matched with what it saw there, so that
-//! what is one spot of the local frame is one place. So visits are held back for as long, and wherever the robot passed
-//! through a place that is among them, that is a visit to it.
+//! what is one spot of the local frame is one place. So visits are held back for as long; and where the robot came into a place
+//! that is among them by a gateway that it has, and left it by one, that is a visit to it.
 
-use crate::star::describe;
-use crate::visit::passage::{is_through, passed};
+use crate::visit::stay::Stay;
 use crate::visit::{Moment, Stage, Visit, VisitParameters};
 use std::collections::VecDeque;
 
-/// Visits in their order, the last of which the robot has left.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Recollection {
-    held: VecDeque<Known>,
-    /// The last visit that was given away.
-    told: Option<Known>,
-}
-
+/// Stays in their order, the last of which is over.
 #[derive(Clone, Debug)]
-struct Known {
-    visit: Visit,
-    /// The first and the last moment at which the robot was near.
-    inside: [Moment; 2],
-    /// The distance from the middle to the nearest obstacle, metres.
-    clearance: f64,
+pub(super) struct Recollection {
+    parameters: VisitParameters,
+    held: VecDeque<Stay>,
+    /// The last one that was told.
+    told: Option<Stay>,
 }
 
 impl Recollection {
-    /// Takes the next visit, and finds what the robot passed through unseen. `moments` are all that is remembered of its way.
-    pub(super) fn add(
-        &mut self,
-        visit: Visit,
-        inside: [Moment; 2],
-        moments: &[Moment],
-        parameters: &VisitParameters,
-    ) {
-        let Ok(place) = describe(&visit.lpm, &parameters.perception) else { return };
-        self.held.push_back(Known { visit, inside, clearance: place.clearance });
-        while let Some((at, unseen)) = self.unseen(moments, parameters) {
-            self.held.insert(at, unseen);
+    pub(super) fn new(parameters: VisitParameters) -> Recollection {
+        Recollection { parameters, held: VecDeque::new(), told: None }
+    }
+
+    /// Takes the next stay, and finds what the robot passed through before it was known. `moments` are all that is remembered of
+    /// its way.
+    pub(super) fn add(&mut self, stay: Stay, moments: &[Moment]) {
+        self.held.push_back(stay);
+        // It ends: what is found arrives later than what was before, and each moment is one arrival at most.
+        while let Some((at, missed)) = self.missed(moments) {
+            self.held.insert(at, missed);
         }
     }
 
-    /// The visits to which nothing can come any more that was before them, when the robot has come to another place.
-    pub(super) fn due(&mut self, now: &Moment, moments: &[Moment], memory: f64) -> Vec<Stage> {
-        let due = |known: &mut Known| known.visit.departure.driven + memory < now.driven;
+    /// The visits before which nothing can be found any more, when the robot has come to another place.
+    pub(super) fn due(&mut self, now: &Moment, moments: &[Moment]) -> Vec<Stage> {
+        let memory = self.parameters.matching.memory;
+        let due = |stay: &mut Stay| stay.visit.departure.driven + memory < now.driven;
         let mut stages = Vec::new();
-        while let Some(known) = self.held.pop_front_if(due) {
-            stages.push(self.tell(known, moments));
+        while let Some(stay) = self.held.pop_front_if(due) {
+            stages.push(self.tell(stay, moments));
         }
         stages
     }
 
     /// All that are left.
     pub(super) fn finish(mut self, moments: &[Moment]) -> Vec<Stage> {
-        std::mem::take(&mut self.held).into_iter().map(|known| self.tell(known, moments)).collect()
+        std::mem::take(&mut self.held).into_iter().map(|stay| self.tell(stay, moments)).collect()
     }
 
-    /// Visits that the robot remembers, the latest first.
-    pub(super) fn latest(&self) -> impl Iterator<Item = &Visit> {
-        self.held.iter().rev().map(|known| &known.visit)
+    /// Stays that are not told, the latest first.
+    pub(super) fn latest(&self) -> impl Iterator<Item = &Stay> {
+        self.held.iter().rev()
     }
 
-    /// The last visit that was given away.
+    /// The stay before the one that is to come.
+    pub(super) fn before(&self) -> Option<&Stay> {
+        self.held.back().or(self.told.as_ref())
+    }
+
+    /// The last visit that was told.
     pub(super) fn told(&self) -> Option<&Visit> {
-        self.told.as_ref().map(|known| &known.visit)
+        self.told.as_ref().map(|stay| &stay.visit)
     }
 
-    fn tell(&mut self, known: Known, moments: &[Moment]) -> Stage {
-        let visit = known.visit.clone();
+    fn tell(&mut self, stay: Stay, moments: &[Moment]) -> Stage {
+        let visit = stay.visit.clone();
         let from = self.told().map_or(0, |told| told.arrival.scan);
-        let within = |moment: &&Moment| (from..=visit.arrival.scan).contains(&moment.scan);
-        let way = moments.iter().filter(within).copied().collect();
-        self.told = Some(known);
+        let within = from..=visit.arrival.scan;
+        let way = moments.iter().filter(|moment| within.contains(&moment.scan)).copied().collect();
+        self.told = Some(stay);
         Stage { way, visit }
     }
 
-    /// A visit that was passed over, and where it belongs.
-    fn unseen(&self, moments: &[Moment], parameters: &VisitParameters) -> Option<(usize, Known)> {
-        let all = 0..self.held.len();
-        all.clone()
-            .flat_map(|leg| all.clone().map(move |place| (leg, place)))
-            .find_map(|(leg, place)| Some((leg, self.passing(&self.held[place], leg, moments, parameters)?)))
+    /// A stay that was missed, and where it belongs; at a place as it was read last, if it was read more than once.
+    fn missed(&self, moments: &[Moment]) -> Option<(usize, Stay)> {
+        let legs = 0..self.held.len();
+        legs.flat_map(|leg| self.latest().map(move |place| (leg, place)))
+            .find_map(|(leg, place)| Some((leg, self.missed_on(leg, place, moments)?)))
     }
 
-    /// A visit to a known place on the way to one of those held.
-    fn passing(
-        &self,
-        known: &Known,
-        leg: usize,
-        moments: &[Moment],
-        parameters: &VisitParameters,
-    ) -> Option<Known> {
-        let VisitParameters { matching, presence, agreement, perception, .. } = parameters;
-        let to = &self.held[leg];
-        let from = leg.checked_sub(1).map_or(self.told.as_ref(), |before| Some(&self.held[before]));
-        let center = known.visit.center;
-        let elsewhere = |other: &Known| (other.visit.center - center).norm() > 2.0 * agreement;
-        if !elsewhere(to) || !from.is_none_or(elsewhere) {
+    /// A stay at a known place on the way to one of those held.
+    fn missed_on(&self, leg: usize, place: &Stay, moments: &[Moment]) -> Option<Stay> {
+        let VisitParameters { matching, presence, hysteresis, perception, .. } = &self.parameters;
+        let to = self.held.get(leg)?;
+        let from = leg.checked_sub(1).map_or(self.told.as_ref(), |before| self.held.get(before));
+        let there = |end: &Stay| self.parameters.is_one_place(&end.visit.center, &place.visit.center);
+        if there(to) || from.is_some_and(there) {
             return None;
         }
-        let left = from.map_or(0, |from| from.inside[1].scan);
-        let remembered = |moment: &Moment| {
-            moment.driven <= known.visit.departure.driven + matching.memory
-                && moment.driven + matching.memory >= known.visit.arrival.driven
-        };
-        let near = |moment: &Moment| {
-            (moment.local_from_robot.position() - center).norm() <= known.clearance + presence
-        };
-        let way = moments.iter().filter(|moment| (left..=to.inside[0].scan).contains(&moment.scan));
-        let way: Vec<&Moment> = way.filter(|moment| remembered(moment)).collect();
-        let runs = way.chunk_by(|a, b| near(a) == near(b)).filter(|run| near(run[0]));
-        runs.filter_map(|run| {
-            let inside = [*run[0], *run[run.len() - 1]];
-            let scans = inside.map(|moment| moment.scan);
-            let visit = passed(&center, &known.visit.lpm, moments, scans, perception)?;
-            let after = left < visit.arrival.scan
-                && from.is_none_or(|from| from.visit.departure.scan < visit.departure.scan);
-            let before =
-                inside[1].scan <= to.visit.arrival.scan && visit.departure.scan < to.visit.departure.scan;
-            (after && before && is_through(&visit, perception)).then_some(Known { visit, inside, ..*known })
+        let first = from.map_or(0, |from| from.inside[1].scan);
+        let way = &moments[moments.partition_point(|moment| moment.scan < first)..];
+        let way = &way[..way.partition_point(|moment| moment.scan <= to.inside[0].scan)];
+        place.stretches(way, *presence).into_iter().find_map(|stretch| {
+            let inside = [stretch.first().copied()?, stretch.last().copied()?];
+            let long = inside[1].driven - inside[0].driven >= *hysteresis;
+            if !long || !inside.iter().any(|moment| place.is_remembered(moment, matching.memory)) {
+                return None;
+            }
+            let found = place.again(moments, inside, perception)?;
+            let between = from.is_none_or(|from| from.is_over_before(&found)) && found.is_over_before(to);
+            (between && found.is_through(perception)).then_some(found)
         })
-        .next()
     }
 }

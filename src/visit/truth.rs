@@ -15,7 +15,7 @@ pub struct Timetable {
 impl Timetable {
     /// Adds the next visit.
     pub fn add(&mut self, Stage { way, visit }: &Stage) {
-        // Ways overlap where a visit took the place of another, and a robot that stands leaves out scans.
+        // A way begins with the last moment of the one before, and a robot that stands leaves out scans.
         for moment in way.iter().filter(|moment| moment.scan >= self.driven.len()).collect::<Vec<_>>() {
             self.driven.resize(moment.scan + 1, moment.driven);
         }
