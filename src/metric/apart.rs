@@ -66,7 +66,7 @@ pub(super) fn to_part(
 pub(super) fn room(story: &Story<'_>, share: usize, distance: f64, patience: Patience) -> Option<Room> {
     let room = |layout: &Layout| {
         let segments = Segments::new(story, &first_visits(story, layout), distance);
-        layout.agrees().then(|| layout.room(&segments, distance, patience))
+        layout.agrees().then(|| layout.room(&segments, distance, patience, story.problems))
     };
     judged(story, share, room)?
 }
@@ -126,7 +126,7 @@ fn crowd(story: &Story<'_>, layout: &Layout, separation: f64) -> Option<Breach> 
     if story.outcome == Outcome::NewPlace && !segments.firsts.iter().any(beside) && !obstructed() {
         return None;
     }
-    match layout.room(&segments, separation, Patience::Short) {
+    match layout.room(&segments, separation, Patience::Short, story.problems) {
         Room::Lacking(crowd) => Some(Breach::Crowd { crowd, separation }),
         Room::Found(_) | Room::Unknown => None,
     }

@@ -1,7 +1,7 @@
 //! Bounds on where visits lie, each a half-plane that a visit is to lie in, and how errors move it there.
 
 use crate::geometry::{Pose, Vector, lever};
-use crate::metric::layout::{Layout, Span};
+use crate::metric::layout::Span;
 use nalgebra::{RowVector2, RowVector3};
 
 /// A half-plane that a visit is to lie in.
@@ -74,19 +74,6 @@ impl Bound {
             }
         };
         Linear { within: self.within(poses), twists }
-    }
-}
-
-impl Linear {
-    /// The covariance of two, as far as travels bring it about.
-    pub(super) fn shared(&self, other: &Linear, layout: &Layout) -> f64 {
-        let with = |&(span, moves): &(Span, RowVector3<f64>)| {
-            let with = |&(beside, also): &(Span, RowVector3<f64>)| {
-                (moves * layout.shared(span, beside) * also.transpose()).x
-            };
-            other.twists.iter().map(with).sum::<f64>()
-        };
-        self.twists.iter().map(with).sum()
     }
 }
 

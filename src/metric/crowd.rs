@@ -27,6 +27,7 @@ use crate::metric::segments::Segments;
 use crate::metric::uncertainty::quantile;
 use crate::metric::witness::Witness;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// At most so many things are chosen one after the other. Random walks need some fifty.
 const DEEPEST: usize = 1_000;
@@ -94,11 +95,20 @@ impl InTheWay {
 
 impl Layout {
     /// Whether first visits, measured in between, can all lie so far from each other, and segments clear of all.
-    pub(super) fn room(&self, segments: &Segments, separation: f64, patience: Patience) -> Room {
+    /// Adds up the problems solved.
+    pub(super) fn room(
+        &self,
+        segments: &Segments,
+        separation: f64,
+        patience: Patience,
+        problems: &AtomicU64,
+    ) -> Room {
         let Some(floor) = Floor::new(self, segments, separation) else { return Room::Unknown };
         let budget = patience.problems();
         let mut search = Search { layout: self, floor, budget, ended: BTreeMap::new(), witness: None };
-        match choice(|chosen| search.look(chosen)) {
+        let choice = choice(|chosen| search.look(chosen));
+        problems.fetch_add((budget - search.budget) as u64, Ordering::Relaxed);
+        match choice {
             Choice::Found => search.witness.map_or(Room::Unknown, Room::Found),
             Choice::Unknown => Room::Unknown,
             Choice::Lacking => {

@@ -4,7 +4,8 @@
 //! errors holds; what several take together is a least-squares problem under inequalities.
 
 use crate::geometry::{Pose, lever};
-use crate::metric::bound::{Bound, Linear};
+use crate::metric::bound::Bound;
+use crate::metric::condition::{Condition, ahead};
 use crate::metric::conflicts::Ways;
 use crate::metric::crowd::InTheWay;
 use crate::metric::layout::{Layout, Span};
@@ -12,14 +13,17 @@ use crate::metric::profile::{Reached, pulls, taken};
 use crate::metric::segments::{Clear, Segments};
 use crate::metric::sides::{Pair, Side, inner};
 use crate::metric::witness::Witness;
-use nalgebra::{DMatrix, DVector, Matrix2, Matrix2x3, Rotation2, RowVector3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix2, Matrix2x3, Rotation2};
+use rustc_hash::FxHashMap;
+use std::cell::RefCell;
 use std::collections::BTreeSet;
+use std::rc::Rc;
 
 /// How far within a bound a visit is on it, metres: rounding, and pulls that are not quite the best.
 const MET: f64 = 1e-3;
 
 /// One of several ways in which two things have room beside each other.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) enum Apart {
     /// Two places.
     Beyond(Side),
@@ -37,14 +41,24 @@ pub(super) struct Floor<'a> {
     since: usize,
     /// The covariances of loops and the twist from there to each visit, in units of the loops.
     known: Vec<DMatrix<f64>>,
+    made: RefCell<Made>,
 }
 
-/// A bound as a condition on errors.
-struct Condition {
+/// A condition of having room, made once.
+struct Known {
     apart: Apart,
-    linear: Linear,
-    /// The covariance of that and the loops, in units of the loops.
-    known: DVector<f64>,
+    /// The bound that it is made of, and how many were made before.
+    bound: Bound,
+    number: usize,
+    condition: Condition,
+}
+
+/// Conditions made so far, and the covariances asked for.
+#[derive(Default)]
+struct Made {
+    conditions: FxHashMap<Apart, Vec<Rc<Known>>>,
+    count: usize,
+    covariances: FxHashMap<(usize, usize), f64>,
 }
 
 /// Least squares within some bounds.
@@ -52,16 +66,16 @@ pub(super) struct Solved {
     /// What it takes beyond the chi-square of the loops.
     pub(super) chi_square: f64,
     /// Those of the bounds that bear, and the factor of their covariance.
-    bearing: Vec<Condition>,
+    bearing: Vec<Rc<Known>>,
     root: Option<DMatrix<f64>>,
-    /// How far each visit twists.
-    twists: Vec<Vector3<f64>>,
+    /// How hard these pull.
+    pulls: Vec<f64>,
 }
 
 impl Solved {
     /// What the bounds that bear are for, ascending, each once.
     pub(super) fn bearing(&self) -> Vec<Apart> {
-        let bearing: BTreeSet<Apart> = self.bearing.iter().map(|condition| condition.apart).collect();
+        let bearing: BTreeSet<Apart> = self.bearing.iter().map(|known| known.apart).collect();
         bearing.into_iter().collect()
     }
 
@@ -77,12 +91,12 @@ impl<'a> Floor<'a> {
         let &(since, _) = segments.firsts.first()?;
         let known = (since..layout.poses.len()).map(|to| layout.known(Span { from: since, to }, None));
         let known = known.collect::<Option<_>>()?;
-        Some(Floor { layout, segments, separation, since, known })
+        Some(Floor { layout, segments, separation, since, known, made: RefCell::default() })
     }
 
     /// The least that it takes to have all of these hold.
     pub(super) fn solve(&self, chosen: &[Apart]) -> Solved {
-        let conditions: Vec<Condition> = chosen.iter().flat_map(|&apart| self.conditions(apart)).collect();
+        let conditions: Vec<Rc<Known>> = chosen.iter().flat_map(|&apart| self.conditions(apart)).collect();
         let size = conditions.len();
         let mut covariance = DMatrix::zeros(size, size);
         for (k, one) in conditions.iter().enumerate() {
@@ -91,17 +105,15 @@ impl<'a> Floor<'a> {
                 (covariance[(k, l)], covariance[(l, k)]) = (entry, entry);
             }
         }
-        let misses = DVector::from_iterator(size, conditions.iter().map(|condition| condition.linear.within));
+        let misses = conditions.iter().map(|known| known.bound.within(&self.layout.poses));
+        let misses = DVector::from_iterator(size, misses);
         let pulls = pulls(&covariance, &misses);
         let chi_square = taken(&covariance, &misses, &pulls);
         let bear: Vec<usize> = (0..size).filter(|&bound| pulls[bound] < 0.0).collect();
         let root =
             covariance.select_rows(&bear).select_columns(&bear).cholesky().map(|factor| factor.unpack());
-        let twists = (self.since..self.layout.poses.len())
-            .map(|visit| bear.iter().map(|&k| self.twist(visit, &conditions[k]) * pulls[k]).sum())
-            .collect();
-        let bearing = conditions.into_iter().enumerate().filter(|(at, _)| bear.contains(at));
-        Solved { chi_square, bearing: bearing.map(|(_, condition)| condition).collect(), root, twists }
+        let bearing = bear.iter().map(|&at| Rc::clone(&conditions[at])).collect();
+        Solved { chi_square, bearing, root, pulls: bear.iter().map(|&at| pulls[at]).collect() }
     }
 
     /// What is to hold of any two things on one spot, where all lie as `poses` say or, without these, as they do to first order: one
@@ -188,12 +200,10 @@ impl<'a> Floor<'a> {
 
     /// Where visits lie to first order.
     fn moved(&self, solved: &Solved) -> Vec<Pose> {
-        let mut poses = self.layout.poses.clone();
-        for (pose, twist) in poses[self.since..].iter_mut().zip(&solved.twists) {
-            let moved = lever(&pose.position().coords) * twist;
-            *pose = Pose { x: pose.x - moved.x, y: pose.y - moved.y, theta: pose.theta - moved.z };
-        }
-        poses
+        let bearing = solved.bearing.iter().map(|known| &known.condition);
+        let ahead = ahead(self.layout, bearing.zip(solved.pulls.iter().copied()));
+        // Some: the factor of the loops was used before.
+        ahead.map_or_else(|| self.layout.poses.clone(), |ahead| self.layout.moved(&ahead))
     }
 
     /// Places on one spot, but those that were put beyond a part of a side.
@@ -207,27 +217,31 @@ impl<'a> Floor<'a> {
         let pairs = (1..firsts.len()).flat_map(|to| (0..to).map(move |from| (firsts[from].0, firsts[to].0)));
         let pair = |(from, to): (usize, usize)| {
             let off = poses[to].position() - poses[from].position();
-            Pair { span: Span { from, to }, off: poses[from].inverse().rotate(&off), open: Matrix2::zeros() }
+            let near = off.norm() < self.separation && !settled.contains(&(from, to));
+            let seen = || poses[from].inverse().rotate(&off);
+            near.then(|| Pair { span: Span { from, to }, off: seen(), open: Matrix2::zeros() })
         };
-        let pairs = pairs.filter(|pair| !settled.contains(pair)).map(pair);
-        pairs.filter(|pair| pair.is_within(self.separation, MET)).collect()
+        pairs.filter_map(pair).filter(|pair| pair.is_within(self.separation, MET)).collect()
     }
 
     /// What one way to be clear takes, to first order and beside what bears already, where visits lie so.
     fn takes(&self, way: Clear, solved: &Solved, poses: &[Pose]) -> f64 {
-        let bounds = self.segments.bounds(&way);
-        let takes = |(bound, condition): (Bound, Condition)| {
-            let shared = solved.bearing.iter().map(|other| self.covariance(&condition, other));
+        let takes = |known: Rc<Known>| {
+            let lacks = known.bound.within(poses).min(0.0);
+            if lacks == 0.0 {
+                return 0.0;
+            }
+            let shared = solved.bearing.iter().map(|other| self.covariance(&known, other));
             let mut shared = DVector::from_iterator(solved.bearing.len(), shared);
-            let mut variance = self.covariance(&condition, &condition);
+            let mut variance = self.covariance(&known, &known);
             if let Some(root) = &solved.root
                 && root.solve_lower_triangular_mut(&mut shared)
             {
                 variance -= shared.norm_squared();
             }
-            bound.within(poses).min(0.0).powi(2) / variance.max(f64::MIN_POSITIVE)
+            lacks.powi(2) / variance.max(f64::MIN_POSITIVE)
         };
-        bounds.into_iter().zip(self.conditions(Apart::Clear(way))).map(takes).fold(0.0, f64::max)
+        self.conditions(Apart::Clear(way)).into_iter().map(takes).fold(0.0, f64::max)
     }
 
     /// The covariance of where a visit lies, in the frame of another, that the loops and the bounds which bear leave.
@@ -238,8 +252,8 @@ impl<'a> Floor<'a> {
         let mut covariance =
             moves * (self.layout.shared(span, span) - known.tr_mul(&known)) * moves.transpose();
         let mut shared = DMatrix::zeros(solved.bearing.len(), 2);
-        for (row, condition) in solved.bearing.iter().enumerate() {
-            let entry = self.pulled(span, condition) - known.tr_mul(&condition.known);
+        for (row, bearing) in solved.bearing.iter().enumerate() {
+            let entry = bearing.condition.left(span, &known, self.layout);
             shared.set_row(row, &(moves * entry).transpose());
         }
         if let Some(root) = &solved.root
@@ -251,32 +265,23 @@ impl<'a> Floor<'a> {
         back.matrix() * covariance * back.matrix().transpose()
     }
 
-    fn conditions(&self, apart: Apart) -> Vec<Condition> {
-        let condition = |bound: Bound| {
-            let linear = bound.linear(&self.layout.poses);
-            let known = |(span, moves): &(Span, RowVector3<f64>)| self.known_of(*span) * moves.transpose();
-            let none = DVector::zeros(self.layout.whitened().len());
-            let known = linear.twists.iter().map(known).fold(none, |sum, known| sum + known);
-            Condition { apart, linear, known }
+    fn conditions(&self, apart: Apart) -> Vec<Rc<Known>> {
+        let Made { conditions, count, .. } = &mut *self.made.borrow_mut();
+        let known = |bound: Bound| {
+            // Some: the factor of the loops was used before.
+            let condition = Condition::new(&bound, self.layout)?;
+            *count += 1;
+            Some(Rc::new(Known { apart, bound, number: *count, condition }))
         };
-        self.bounds_of(apart).into_iter().map(condition).collect()
+        let made = || self.bounds_of(apart).into_iter().filter_map(known).collect();
+        conditions.entry(apart).or_insert_with(made).clone()
     }
 
-    fn covariance(&self, one: &Condition, other: &Condition) -> f64 {
-        one.linear.shared(&other.linear, self.layout) - one.known.dot(&other.known)
-    }
-
-    /// How a visit twists where a condition pulls with a force of one.
-    fn twist(&self, visit: usize, condition: &Condition) -> Vector3<f64> {
-        let span = Span { from: self.since, to: visit };
-        self.pulled(span, condition) - self.known[visit - self.since].tr_mul(&condition.known)
-    }
-
-    /// The same of a span, without loops.
-    fn pulled(&self, span: Span, condition: &Condition) -> Vector3<f64> {
-        let pulled =
-            |(other, moves): &(Span, RowVector3<f64>)| self.layout.shared(span, *other) * moves.transpose();
-        condition.linear.twists.iter().map(pulled).sum()
+    fn covariance(&self, one: &Known, other: &Known) -> f64 {
+        let (one, other) = if one.number < other.number { (one, other) } else { (other, one) };
+        let asked = || one.condition.covariance(&other.condition, self.layout);
+        let covariances = &mut self.made.borrow_mut().covariances;
+        *covariances.entry((one.number, other.number)).or_insert_with(asked)
     }
 
     fn known_of(&self, span: Span) -> DMatrix<f64> {

@@ -10,12 +10,15 @@ use crate::metric::share::SHARES;
 use crate::star::SlotIndex;
 use std::cell::{OnceCell, RefCell};
 use std::rc::Rc;
+use std::sync::atomic::AtomicU64;
 
 /// What a child of a candidate says of all visits up to the one proposed for, the last, with what was measured.
 #[derive(Debug)]
 pub(super) struct Story<'a> {
     pub(super) stays: &'a [std::sync::Arc<Stay>],
     pub(super) parameters: &'a MetricParameters,
+    /// How many least-squares problems searches for room have solved.
+    pub(super) problems: &'a AtomicU64,
     pub(super) outcome: Outcome,
     branch: &'a Branch<'a>,
     before: &'a [Assignment],
@@ -40,6 +43,7 @@ impl<'a> Story<'a> {
         stays: &'a [std::sync::Arc<Stay>],
         proposal: &Proposal<'a>,
         parameters: &'a MetricParameters,
+        problems: &'a AtomicU64,
     ) -> Self {
         let (before, last) = (proposal.branch.visits(), proposal.assignment);
         let mut first: Vec<usize> = Vec::new();
@@ -49,7 +53,8 @@ impl<'a> Story<'a> {
                 first.push(visit);
             }
         }
-        Story { stays, parameters, outcome: proposal.outcome, branch: proposal.branch, before, last, first }
+        let Proposal { branch, outcome, .. } = *proposal;
+        Story { stays, parameters, problems, outcome, branch, before, last, first }
     }
 
     /// All visits laid out by the loops closed before the latest travel, under one of [`SHARES`].

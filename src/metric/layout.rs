@@ -155,7 +155,7 @@ impl Layout {
                     (self.own[before], self.common[before], self.sums[before]);
                 continue;
             };
-            let error = self.error(visit);
+            let error = self.error(visit, &self.errors);
             let gone = Vector3::new(travel.pose.x, travel.pose.y, travel.pose.theta) - error;
             let (from, turn) = (self.poses[before], rotation(self.poses[before].theta));
             let to = turn * gone + Vector3::new(from.x, from.y, from.theta);
@@ -200,10 +200,24 @@ impl Layout {
         self.sums[span.to] - self.sums[span.from]
     }
 
-    /// The error of the travel to a visit as estimated.
-    fn error(&self, visit: usize) -> Vector3<f64> {
-        let own = self.errors.fixed_rows::<3>(3 * visit);
-        let common = self.errors.fixed_rows::<3>(3 * self.poses.len());
+    /// Where visits lie to first order if the errors change by so much.
+    pub(super) fn moved(&self, ahead: &DVector<f64>) -> Vec<Pose> {
+        let mut twist = Vector3::zeros();
+        let moved = |(visit, pose): (usize, &Pose)| {
+            twist = match self.travels[visit] {
+                Some(_) => twist + self.twists[visit] * self.error(visit, ahead),
+                None => Vector3::zeros(),
+            };
+            let moved = lever(&at(pose)) * twist;
+            Pose { x: pose.x - moved.x, y: pose.y - moved.y, theta: pose.theta - moved.z }
+        };
+        self.poses.iter().enumerate().map(moved).collect()
+    }
+
+    /// What errors of the travel to a visit come to.
+    fn error(&self, visit: usize, errors: &DVector<f64>) -> Vector3<f64> {
+        let own = errors.fixed_rows::<3>(3 * visit);
+        let common = errors.fixed_rows::<3>(3 * self.poses.len());
         self.travels[visit]
             .as_ref()
             .map_or(Vector3::zeros(), |travel| travel.root * own + travel.common * common)
@@ -232,7 +246,7 @@ impl Layout {
         let loops = self.loops.iter().enumerate();
         let pulled = loops.map(|(i, one)| (one.span, pull.fixed_rows::<3>(3 * i).into_owned()));
         for (span, pull) in pulled.chain(beside.iter().copied()) {
-            common += (self.common[span.to] - self.common[span.from]).transpose() * pull;
+            common += self.common(span).tr_mul(&pull);
             pulls[span.from + 1] += pull;
             pulls[span.to + 1] -= pull;
         }
@@ -276,10 +290,24 @@ impl Layout {
 
     /// The covariance of the errors of two spans.
     pub(super) fn shared(&self, one: Span, other: Span) -> Matrix3<f64> {
-        let common = |span: Span| self.common[span.to] - self.common[span.from];
+        let own = self.own(one, other).unwrap_or_else(Matrix3::zeros);
+        own + self.common(one) * self.common(other).transpose()
+    }
+
+    /// The same of the errors that travels have of their own, if the spans have travels in common.
+    pub(super) fn own(&self, one: Span, other: Span) -> Option<Matrix3<f64>> {
         let (from, to) = (one.from.max(other.from), one.to.min(other.to));
-        let own = if from < to { self.own[to] - self.own[from] } else { Matrix3::zeros() };
-        own + common(one) * common(other).transpose()
+        (from < to).then(|| self.own[to] - self.own[from])
+    }
+
+    /// What the errors that are the same on all travels do to a span.
+    pub(super) fn common(&self, span: Span) -> Matrix3<f64> {
+        self.common[span.to] - self.common[span.from]
+    }
+
+    /// A covariance with the loops, in units of theirs.
+    pub(super) fn in_units(&self, mut covariance: DVector<f64>) -> Option<DVector<f64>> {
+        self.root.solve_lower_triangular_mut(&mut covariance).then_some(covariance)
     }
 
     /// The covariance that two loops have of the visits they have in common. Both ends of a loop are one spot: what either

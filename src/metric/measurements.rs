@@ -13,6 +13,7 @@ use crate::star::SlotIndex;
 use crate::trace::Sighting;
 use nalgebra::Matrix3;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// What was measured on a trace, from its first observation to the latest.
 ///
@@ -26,6 +27,8 @@ pub struct Measurements {
     last: Option<Arc<Sighting>>,
     /// The first observation that a measured travel led to.
     since: Option<usize>,
+    /// Shared by all that are made from one.
+    problems: Arc<AtomicU64>,
 }
 
 /// What was measured on one visit and on the travel to it. Slots are those of the star as observed.
@@ -62,12 +65,19 @@ impl Measurements {
         };
         let since = self.since.or(travelled.map(|_| self.stays.len()));
         let stays = self.stays.iter().cloned().chain([Arc::new(stay)]).collect();
-        Measurements { parameters: self.parameters, stays, last: Some(Arc::new(sighting.clone())), since }
+        let (last, problems) = (Some(Arc::new(sighting.clone())), Arc::clone(&self.problems));
+        Measurements { parameters: self.parameters, stays, last, since, problems }
     }
 
     /// Whether any travel was measured.
     pub fn any(&self) -> bool {
         self.since.is_some()
+    }
+
+    /// How many least-squares problems were solved in searches for room, by these measurements and all that were made from the
+    /// same ones: what was done, whatever it took and on how many threads. No answer depends on it.
+    pub fn problems(&self) -> u64 {
+        self.problems.load(Ordering::Relaxed)
     }
 
     /// The travel to each observation as measured: the frame of the observation in that of the one before, and the
@@ -107,7 +117,7 @@ impl Measurements {
         let span = Span { from: visits[0].min(visits[1]), to: visits[0].max(visits[1]) };
         let known = proposal.branch.visits().len();
         let Some(stays) = self.stays.get(..=known).filter(|_| span.to <= known) else { return Vec::new() };
-        apart::to_part(&Story::new(stays, proposal, &self.parameters), span, distance, gate).into()
+        apart::to_part(&self.story(stays, proposal), span, distance, gate).into()
     }
 
     /// How many ranges there are of the share of heading errors that is the same on all travels.
@@ -128,7 +138,11 @@ impl Measurements {
     ) -> Option<Room> {
         let known = proposal.branch.visits().len();
         let stays = self.stays.get(..=known).filter(|_| range < Measurements::RANGES)?;
-        apart::room(&Story::new(stays, proposal, &self.parameters), range, distance, patience)
+        apart::room(&self.story(stays, proposal), range, distance, patience)
+    }
+
+    fn story<'a>(&'a self, stays: &'a [Arc<Stay>], proposal: &Proposal<'a>) -> Story<'a> {
+        Story::new(stays, proposal, &self.parameters, &self.problems)
     }
 
     /// What is made of how the proposal breaks the axiom, if it does.
@@ -143,7 +157,7 @@ impl Measurements {
         if self.since.is_none_or(|since| since > observation) {
             return None;
         }
-        let story = Story::new(stays, proposal, &self.parameters);
+        let story = self.story(stays, proposal);
         let breach = match axiom {
             AxiomId::Distance => distance::breach(&story),
             AxiomId::Angle => angle::breach(&story),

@@ -23,6 +23,7 @@ mod bound;
 mod breach;
 mod chain;
 mod closure;
+mod condition;
 mod conflicts;
 mod crowd;
 mod distance;

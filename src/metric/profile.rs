@@ -7,7 +7,8 @@
 //! whatever the coordinates are.
 
 use crate::geometry::direction;
-use crate::metric::bound::{Bound, Edge, Linear};
+use crate::metric::bound::{Bound, Edge};
+use crate::metric::condition::{Condition, ahead};
 use crate::metric::layout::{Layout, Span};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::{PI, TAU};
@@ -105,21 +106,19 @@ impl Layout {
         for round in 0..ROUNDS {
             *rounds += 1;
             layout.solve()?;
-            let conditions = Conditions::new(&layout, bounds)?;
-            if round == 0 && conditions.misses.iter().all(|misses| *misses >= 0.0) {
+            let conditions = bounds.iter().map(|bound| Condition::new(bound, &layout));
+            let conditions = conditions.collect::<Option<Vec<Condition>>>()?;
+            let misses = conditions.iter().map(|condition| condition.within(&layout));
+            let misses = DVector::from_iterator(bounds.len(), misses);
+            if round == 0 && misses.iter().all(|misses| *misses >= 0.0) {
                 return Some(Reached { chi_square: 0.0, bearing: Vec::new(), layout });
             }
-            let pulls = pulls(&conditions.covariance, &conditions.misses);
+            let covariance = covariance(&conditions, &layout);
+            let pulls = pulls(&covariance, &misses);
             let (closing, _) = layout.chi_square();
-            let chi_square = closing + taken(&conditions.covariance, &conditions.misses, &pulls) - least;
+            let chi_square = closing + taken(&covariance, &misses, &pulls) - least;
             let bearing: Vec<usize> = (0..bounds.len()).filter(|&bound| pulls[bound] < 0.0).collect();
-            let beside = conditions.linear.iter().zip(&pulls);
-            let beside: Vec<_> = beside
-                .flat_map(|(linear, pull)| {
-                    linear.twists.iter().map(move |(span, moves)| (*span, moves.transpose() * *pull))
-                })
-                .collect();
-            let ahead = layout.ahead(layout.whitened() - conditions.known * pulls, &beside)?;
+            let ahead = ahead(&layout, conditions.iter().zip(pulls.iter().copied()))?;
             let left;
             (way, left) = last.map_or((way, f64::INFINITY), |last| last.then(&ahead));
             last = if left >= SETTLED {
@@ -165,56 +164,35 @@ impl Step {
     }
 }
 
-/// Bounds as conditions on the errors that the loops leave, linearised.
-struct Conditions {
-    linear: Vec<Linear>,
-    /// The covariances of loops and lines in units of the loops, a column a line.
-    known: DMatrix<f64>,
-    /// How far within each bound the visit lies, metres.
-    misses: DVector<f64>,
-    /// The covariance of that.
-    covariance: DMatrix<f64>,
-}
-
-impl Conditions {
-    fn new(layout: &Layout, bounds: &[Bound]) -> Option<Conditions> {
-        let size = bounds.len();
-        let mut found = Conditions {
-            linear: bounds.iter().map(|bound| bound.linear(&layout.poses)).collect(),
-            known: DMatrix::zeros(layout.whitened().len(), size),
-            misses: DVector::zeros(size),
-            covariance: DMatrix::zeros(size, size),
-        };
-        for k in 0..size {
-            let linear = &found.linear[k];
-            let mut known = DVector::zeros(layout.whitened().len());
-            for (span, moves) in &linear.twists {
-                known += layout.known(*span, None)? * moves.transpose();
-            }
-            let gathered = linear.twists.iter().map(|(span, moves)| (moves * layout.gathered(*span)).x);
-            found.misses[k] = linear.within + gathered.sum::<f64>() - known.dot(&layout.whitened().column(0));
-            found.known.set_column(k, &known);
-            for l in 0..=k {
-                let shared = linear.shared(&found.linear[l], layout);
-                let entry = shared - known.dot(&found.known.column(l));
-                (found.covariance[(k, l)], found.covariance[(l, k)]) = (entry, entry);
-            }
+/// The covariance of conditions that loops leave.
+fn covariance(conditions: &[Condition], layout: &Layout) -> DMatrix<f64> {
+    let mut covariance = DMatrix::zeros(conditions.len(), conditions.len());
+    for (k, one) in conditions.iter().enumerate() {
+        for (l, other) in conditions[..=k].iter().enumerate() {
+            let entry = one.covariance(other, layout);
+            (covariance[(k, l)], covariance[(l, k)]) = (entry, entry);
         }
-        Some(found)
     }
+    covariance
 }
 
 /// At most so many rounds over all lines, and the change of chi-square that ends them.
 const SWEEPS: usize = 500;
 const STILL: f64 = 1e-12;
+/// After how many rounds it is asked whether it is known by now which lines bear.
+const ASKED: [usize; 4] = [5, 17, 65, 257];
+/// How much of the variance of each line that bears the ones before it leave, at least, where that is asked: where they leave less, the
+/// lines hardly meet, and rounds that end take a step that linearised problems still bear.
+const FREE: f64 = 1e-4;
 
 /// What pulls at each of some lines, so that none is missed: below zero, or zero where others pull far enough. Chi-square
-/// is the greatest that such numbers give ([`taken`]), each of which is set to its best in turn (Hildreth 1957).
+/// is the greatest that such numbers give ([`taken`]), each of which is set to its best in turn (Hildreth 1957), until it is
+/// known which lines bear.
 pub(super) fn pulls(covariance: &DMatrix<f64>, misses: &DVector<f64>) -> DVector<f64> {
     let mut pulls: DVector<f64> = DVector::zeros(misses.len());
     // What is missed beside what all pull.
     let mut left = misses.clone();
-    for _ in 0..SWEEPS {
+    for round in 1..=SWEEPS {
         let mut change = 0.0_f64;
         for line in 0..misses.len() {
             let variance = covariance[(line, line)];
@@ -231,8 +209,29 @@ pub(super) fn pulls(covariance: &DMatrix<f64>, misses: &DVector<f64>) -> DVector
         if change < STILL {
             break;
         }
+        if ASKED.contains(&round)
+            && let Some(best) = best(covariance, misses, &pulls)
+        {
+            return best;
+        }
     }
     pulls
+}
+
+/// The best pulls, if the lines that bear are those at which these pull: then all of them pull, and no other line is missed
+/// (Kuhn and Tucker 1951). None where that is not so.
+fn best(covariance: &DMatrix<f64>, misses: &DVector<f64>, pulls: &DVector<f64>) -> Option<DVector<f64>> {
+    let bear: Vec<usize> = (0..misses.len()).filter(|&line| pulls[line] < 0.0).collect();
+    let among = covariance.select_rows(&bear).select_columns(&bear);
+    let variances = among.diagonal();
+    let root = among.cholesky()?;
+    let free = root.l_dirty().diagonal().zip_map(&variances, |left, variance| left * left / variance);
+    let pulled = root.solve(&misses.select_rows(&bear));
+    let mut best = DVector::zeros(misses.len());
+    bear.iter().zip(&pulled).for_each(|(&line, pull)| best[line] = *pull);
+    let left = misses - covariance * &best;
+    let holds = |line: usize| if pulls[line] < 0.0 { best[line] < 0.0 } else { left[line] >= 0.0 };
+    (free.iter().all(|&free| free >= FREE) && (0..misses.len()).all(holds)).then_some(best)
 }
 
 /// How much chi-square it takes at least to miss no line, by what pulls at them; if it is the best, just so much.
@@ -243,6 +242,7 @@ pub(super) fn taken(covariance: &DMatrix<f64>, misses: &DVector<f64>, pulls: &DV
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     fn solved(covariance: [f64; 4], misses: [f64; 2]) -> ([f64; 2], f64) {
         let (covariance, misses) =
@@ -288,6 +288,26 @@ mod tests {
         near(solved([0.0, 0.0, 0.0, 4.0], [-1.0, -2.0]), [0.0, -0.5], 1.0);
         assert_eq!(solved([f64::NAN, 0.0, 0.0, 4.0], [-1.0, 2.0]).0, [0.0, 0.0]);
         near(solved([1.0; 4], [-1.0; 2]), [-1.0, 0.0], 1.0);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 2048, failure_persistence: None, ..ProptestConfig::default() })]
+
+        /// No line is missed, none pushes, and none pulls farther than it has to.
+        #[test]
+        fn pulls_are_the_best_there_are(
+            mixed in prop::collection::vec(-1.0..1.0, 36),
+            misses in prop::collection::vec(-2.0..1.0, 6),
+        ) {
+            let mixed = DMatrix::from_vec(6, 6, mixed);
+            let covariance = &mixed * mixed.transpose() + DMatrix::identity(6, 6) * 0.3;
+            let misses = DVector::from_vec(misses);
+            let pulls = pulls(&covariance, &misses);
+            let left = &misses - &covariance * &pulls;
+            for (pull, left) in pulls.iter().zip(&left) {
+                prop_assert!(*pull <= 0.0 && *left > -1e-5 && (pull * left).abs() < 1e-5, "{pulls} {left}");
+            }
+        }
     }
 
     /// Lines that no errors meet together take the more the longer they are pulled at, and never less than each alone.

@@ -33,7 +33,7 @@ pub(super) enum Obstruction {
 }
 
 /// How an obstruction is none: of four ways one has to be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) enum Clear {
     /// Both ends of a segment lie on one side of another, or within its strip.
     Aside { segment: usize, other: usize, left: bool },
@@ -90,7 +90,28 @@ impl Segments {
         let passing =
             |segment| self.firsts.iter().map(move |&(visit, _)| Obstruction::Passing { segment, visit });
         let all = pairs.chain((0..self.all.len()).flat_map(passing));
-        all.filter(|one| self.bears(one) && !self.is_clear(one, poses, met)).collect()
+        let blocked = |one: &Obstruction| {
+            self.is_near(one, poses) && self.bears(one) && !self.is_clear(one, poses, met)
+        };
+        all.filter(blocked).collect()
+    }
+
+    /// Whether the rectangles around both, with the clearance of a place, have a point in common: straight lines that cross do, and
+    /// what is in nobody's strip is clear.
+    fn is_near(&self, obstruction: &Obstruction, poses: &[Pose]) -> bool {
+        let ends = |segment: usize| self.all[segment].visits;
+        let (one, other, by) = match *obstruction {
+            Obstruction::Crossing { one, other } => (ends(one), ends(other), 0.0),
+            Obstruction::Passing { segment, visit } => (ends(segment), [visit; 2], self.clearance),
+        };
+        let meet = |along: fn(&Pose) -> f64| {
+            let [(a, b), (c, d)] = [one, other].map(|ends| {
+                let [from, to] = ends.map(|end| along(&poses[end]));
+                (from.min(to), from.max(to))
+            });
+            a <= d + by && c <= b + by
+        };
+        meet(|pose| pose.x) && meet(|pose| pose.y)
     }
 
     /// The ways to be clear of an obstruction.
@@ -237,6 +258,22 @@ mod tests {
                     }
                 }
             }
+        }
+
+        /// What is looked at first, rectangles, leaves out nothing that is in the way of another.
+        #[test]
+        fn what_obstructs_is_near(
+            points in points(),
+            strays in prop::array::uniform2(0.0..1.5),
+            met in prop_oneof![Just(0.0), Just(1e-3)],
+        ) {
+            let (segments, poses) = (two(strays, 2.0), poses(&points));
+            let passing = |segment| (0..4).map(move |visit| Obstruction::Passing { segment, visit });
+            let crossing = [Obstruction::Crossing { one: 1, other: 0 }].into_iter();
+            let all = crossing.chain((0..2).flat_map(passing));
+            let blocked =
+                all.filter(|one| segments.bears(one) && !segments.is_clear(one, &poses, met)).collect::<Vec<_>>();
+            prop_assert_eq!(segments.obstructions(&poses, met), blocked);
         }
 
         /// Straight lines that cross are found to, and those that do not are not.

@@ -14,7 +14,7 @@ const COARSE: usize = 4;
 const FINE: usize = 3 * COARSE;
 
 /// A side of a polygon around an earlier visit, as a bound to a later one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) struct Side {
     from: usize,
     to: usize,

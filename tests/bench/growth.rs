@@ -3,8 +3,9 @@
 //! Exhaustively, on the recorded grids, the time of each observation and that of each map it creates; on the large grid
 //! under a limit, since nothing holds all its candidates. Best-first, the steps and the time from one more observation to
 //! the next proven minimum, or to the limit on steps, where that is said. With odometry that drifts as badly as the worst,
-//! in corridor grids of two sizes, the time of each observation and that of each candidate it extends. Times are the
-//! least of a few repetitions by one thread; counts do not depend on the machine.
+//! in corridor grids of two sizes, the time of each observation, that of each candidate it extends and how many least-squares
+//! problems it takes to find out whether all has room. Times are the least of a few repetitions by one thread; counts do not depend
+//! on the machine.
 
 #![allow(clippy::unwrap_used, clippy::panic, missing_docs, reason = "a benchmark may fail")]
 
@@ -13,9 +14,9 @@ mod drifting;
 mod traces;
 
 use rayon::ThreadPoolBuilder;
-use std::sync::Arc;
 use std::time::Instant;
-use topostar::abduction::{Abduction, AxiomSet, Evidence, Limits, Profile, Visit};
+use topostar::abduction::{Abduction, AxiomSet, Limits, Profile, Visit};
+use topostar::metric::Measurements;
 use topostar::worlds::{Detours, Drift};
 
 const REPETITIONS: usize = 3;
@@ -40,7 +41,8 @@ fn main() {
         ];
         for (how, trace, start) in runs {
             println!("\n{trace}, {}, {how}", profile.name());
-            let seen: Vec<Seen> = traces::visits(trace).into_iter().map(|visit| (visit, None)).collect();
+            let seen: Vec<Seen> =
+                traces::visits(trace).into_iter().map(|visit| (visit, Measurements::default())).collect();
             pool.install(|| grow(&start, &seen));
         }
     }
@@ -55,11 +57,11 @@ fn main() {
 }
 
 /// What is observed, and what was measured so far.
-type Seen = (Visit, Option<Arc<dyn Evidence>>);
+type Seen = (Visit, Measurements);
 
 fn measured_walk(side: usize) -> Vec<Seen> {
     let seen = drifting::sightings(&drifting::drifting_walk(side, |_| Detours::default(), 0, Drift::WORST));
-    seen.into_iter().map(|(seen, measured)| (Visit::from(&seen), measured.evidence())).collect()
+    seen.into_iter().map(|(seen, measured)| (Visit::from(&seen), measured)).collect()
 }
 
 fn grow(start: &Abduction, seen: &[Seen]) {
@@ -73,17 +75,21 @@ fn grow(start: &Abduction, seen: &[Seen]) {
     }
     let unit = if grown.iter().any(|event| event.settled) { "steps" } else { "created" };
     println!(
-        "{:>11} {:>10} {:>10} {:>12} {:>12}",
-        "observation", "candidates", unit, "seconds", "ns for each"
+        "{:>11} {:>10} {:>10} {:>12} {:>12} {:>9}",
+        "observation", "candidates", unit, "seconds", "ns for each", "problems"
     );
     for (observation, event) in grown.iter().enumerate() {
         let each = event.seconds * 1e9 / event.done.max(1) as f64;
         let end = if event.settled && !event.proven { " not proven" } else { "" };
         println!(
-            "{observation:>11} {:>10} {:>10} {:>12.6} {each:>12.0}{end}",
-            event.candidates, event.done, event.seconds
+            "{observation:>11} {:>10} {:>10} {:>12.6} {each:>12.0} {:>9}{end}",
+            event.candidates, event.done, event.seconds, event.problems
         );
     }
+    let (seconds, problems) = grown
+        .iter()
+        .fold((0.0, 0), |(seconds, problems), event| (seconds + event.seconds, problems + event.problems));
+    println!("{:>11} {:>10} {:>10} {seconds:>12.6} {:>12} {problems:>9}", "in all", "", "", "");
 }
 
 /// What one observation took.
@@ -94,14 +100,17 @@ struct Event {
     settled: bool,
     proven: bool,
     seconds: f64,
+    /// Solved in searches for room.
+    problems: u64,
 }
 
 fn walk(start: &Abduction, seen: &[Seen]) -> Vec<Event> {
     let mut abduction = start.clone();
     let mut created = 0;
-    let extend = |(visit, evidence): &Seen| {
+    let extend = |(visit, measured): &Seen| {
+        let (evidence, before) = (measured.evidence(), measured.problems());
         let begun = Instant::now();
-        abduction.observe_measured(visit, evidence.clone()).unwrap();
+        abduction.observe_measured(visit, evidence).unwrap();
         abduction.settle(&|| false);
         let seconds = begun.elapsed().as_secs_f64();
         let settlement = abduction.settlement();
@@ -110,7 +119,14 @@ fn walk(start: &Abduction, seen: &[Seen]) -> Vec<Event> {
         let done = settlement.map_or(now - created, |settlement| settlement.steps);
         created = now;
         let settled = settlement.is_some();
-        Event { candidates: abduction.len(), done, settled, proven: report.proven, seconds }
+        Event {
+            candidates: abduction.len(),
+            done,
+            settled,
+            proven: report.proven,
+            seconds,
+            problems: measured.problems() - before,
+        }
     };
     seen.iter().map(extend).collect()
 }
