@@ -1,6 +1,7 @@
 //! The exact Euclidean distance of every cell to the nearest cell that is not known to be free.
 
 use crate::geometry::Vector;
+use crate::grid::plane::Plane;
 use crate::grid::{Cell, CellIndex, GridInfo, OccupancyGrid};
 
 /// Clearance: distances between cell centres, exact up to rounding.
@@ -12,6 +13,7 @@ use crate::grid::{Cell, CellIndex, GridInfo, OccupancyGrid};
 pub struct DistanceField {
     info: GridInfo,
     squared: Vec<u32>,
+    obstacles: Plane,
 }
 
 /// The squared distance of a cell in a grid without any obstacle.
@@ -30,12 +32,12 @@ impl DistanceField {
     /// The distance field of a grid; linear in the number of cells.
     pub fn new(grid: &OccupancyGrid) -> Self {
         let info = *grid.info();
-        let obstacles = grid.cells().iter().any(|&cell| cell != Cell::Free);
-        let squared = match obstacles {
-            true => squared_distances(info.width, grid.cells()),
-            false => vec![BOUNDLESS; grid.cells().len()],
+        let obstacles = Plane::of(grid.cells(), info.width, Cell::Free).complement();
+        let squared = match obstacles.is_empty() {
+            false => squared_distances(info.width, grid.cells()),
+            true => vec![BOUNDLESS; grid.cells().len()],
         };
-        DistanceField { info, squared }
+        DistanceField { info, squared, obstacles }
     }
 
     /// Size, scale and place of the grid.
@@ -61,53 +63,56 @@ impl DistanceField {
     /// further than `slack` metres beyond the clearance and no closer to the direction, ahead or behind, than the
     /// angle of the given sine. Ties go to the cell that comes first in the grid.
     pub fn sides(&self, at: CellIndex, along: &Vector, slack: f64, least_sine: f64) -> Sides {
-        let mut sides = Sides::default();
         let inner = match self.squared[self.info.offset(at)] {
-            BOUNDLESS => return sides,
+            BOUNDLESS => return Sides::default(),
             squared => i64::from(squared),
         };
-        let mut best = [f64::INFINITY; 2];
-        let outer = ((inner as f64).sqrt() + slack / self.info.resolution).powi(2);
-        let reach = outer.sqrt() as isize;
-        let GridInfo { width, height, .. } = self.info;
-        let (x, y) = (at.x as isize, at.y as isize);
-        for dy in (-reach).max(-y)..=reach.min(height as isize - 1 - y) {
-            let across = (dy * dy) as f64;
-            let far = (outer - across).max(0.0).sqrt() as isize;
-            let near = root_above(inner - (dy * dy) as i64) as isize;
-            let start = at.y.wrapping_add_signed(dy) * width;
-            let row = &self.squared[start..start + width];
-            let mut look = |from: isize, to: isize| {
-                let (from, to) = ((x + from).max(0), (x + to + 1).min(width as isize));
-                if from >= to {
-                    return;
-                }
-                // Hardly any cell is an obstacle, so that is asked first.
-                for (k, _) in
-                    row[from as usize..to as usize].iter().enumerate().filter(|&(_, &cell)| cell == 0)
-                {
-                    let dx = from + k as isize - x;
-                    let squared = (dx * dx + dy * dy) as f64;
-                    let cross = along.x * dy as f64 - along.y * dx as f64;
-                    let side = usize::from(cross < 0.0);
-                    let beside = cross != 0.0 && cross * cross >= least_sine * least_sine * squared;
-                    if beside && squared < best[side] {
-                        best[side] = squared;
-                        let cell = CellIndex { x: from as usize + k, y: start / width };
-                        if side == 0 { sides.left = Some(cell) } else { sides.right = Some(cell) }
-                    }
+        let outer = (inner as f64).sqrt() + slack / self.info.resolution;
+        // Of each side the squared distance, the row and the column of the nearest.
+        let mut nearest = [(outer.powi(2) as i64, usize::MAX, usize::MAX); 2];
+        // Row by row outwards, so that what is found soon spares the rest.
+        let reach = (outer as i64).min(self.info.height as i64);
+        for (dy, y) in (0..=reach).flat_map(|away| self.rows_beside(at.y, away)) {
+            let farthest = nearest[0].0.max(nearest[1].0);
+            if dy * dy > farthest {
+                break;
+            }
+            let look = |x: usize| {
+                let dx = x as i64 - at.x as i64;
+                let cross = along.x * dy as f64 - along.y * dx as f64;
+                let squared = dx * dx + dy * dy;
+                if cross != 0.0 && cross * cross >= least_sine * least_sine * squared as f64 {
+                    let side = &mut nearest[usize::from(cross < 0.0)];
+                    *side = (squared, y, x).min(*side);
                 }
             };
-            look(-far, -near);
-            look(near.max(1 - near), far);
+            self.each_obstacle(y, at.x, inner - dy * dy, farthest - dy * dy, look);
         }
-        sides
+        let [left, right] = nearest.map(|(_, y, x)| (y != usize::MAX).then_some(CellIndex { x, y }));
+        Sides { left, right }
+    }
+
+    /// The rows so far below and above another, and how far up.
+    fn rows_beside(&self, y: usize, away: i64) -> impl Iterator<Item = (i64, usize)> + use<> {
+        let height = self.info.height as i64;
+        let both = [Some(-away), (away > 0).then_some(away)].into_iter().flatten();
+        both.map(move |dy| (dy, y as i64 + dy))
+            .filter(move |&(_, y)| (0..height).contains(&y))
+            .map(|(dy, y)| (dy, y as usize))
+    }
+
+    /// Calls with the column of each obstacle of a row whose squared distance from a column is within bounds.
+    fn each_obstacle(&self, y: usize, x: usize, least: i64, most: i64, mut call: impl FnMut(usize)) {
+        let (near, far) = (root_above(least) as isize, most.isqrt() as isize);
+        let within = |dx: isize| (x as isize + dx).clamp(0, self.info.width as isize) as usize;
+        self.obstacles.each_in_row(y, within(-far)..within(1 - near), &mut call);
+        self.obstacles.each_in_row(y, within(near.max(1))..within(far + 1), &mut call);
     }
 }
 
 /// The least whole number whose square is not below a number.
 fn root_above(squared: i64) -> i64 {
-    let root = (squared.max(0) as f64).sqrt() as i64;
+    let root = squared.max(0).isqrt();
     root + i64::from(root * root < squared)
 }
 

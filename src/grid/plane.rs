@@ -4,6 +4,7 @@ use crate::grid::Cell;
 use std::ops::Range;
 
 /// The cells of a grid of which something holds, row by row; every row begins a word of its own.
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Plane {
     words: Vec<u64>,
     width: usize,
@@ -118,6 +119,17 @@ impl Plane {
         found
     }
 
+    /// Calls with the column of each cell of a stretch of a row, ascending.
+    pub(super) fn each_in_row(&self, row: usize, columns: Range<usize>, mut call: impl FnMut(usize)) {
+        let words = columns.start / 64..columns.end.div_ceil(64);
+        for k in words {
+            let word = self.words[row * self.stride + k];
+            let from = u64::MAX << columns.start.saturating_sub(k * 64);
+            let to = u64::MAX >> ((k + 1) * 64).saturating_sub(columns.end);
+            each_bit(word & from & to, |x| call(k * 64 + x));
+        }
+    }
+
     /// Calls with each longest stretch of cells side by side, `start..end` in row-major order, row by row.
     pub(super) fn each_run(&self, mut call: impl FnMut(usize, usize)) {
         for (y, row) in self.rows().enumerate() {
@@ -211,6 +223,18 @@ mod tests {
                         start += run.len();
                     }
                 }
+                prop_assert_eq!(found, wanted);
+            }
+        }
+
+        #[test]
+        fn a_stretch_of_a_row_has_its_cells((width, cells) in any_cells(), ends in [0usize..150, 0..150]) {
+            let plane = Plane::of(&cells, width, Cell::Free);
+            let [start, end] = ends.map(|end| end.min(width));
+            for (y, row) in cells.chunks(width).enumerate() {
+                let mut found = Vec::new();
+                plane.each_in_row(y, start..end, |x| found.push(x));
+                let wanted: Vec<usize> = (start..end).filter(|&x| row[x] == Cell::Free).collect();
                 prop_assert_eq!(found, wanted);
             }
         }
