@@ -85,6 +85,11 @@ impl Pose {
         self.rotation() * vector
     }
 
+    /// The same pose in a frame with the same axes and its origin at a point.
+    pub fn seen_from(&self, origin: &Point) -> Pose {
+        Pose { x: self.x - origin.x, y: self.y - origin.y, theta: self.theta }
+    }
+
     /// The position, without the heading.
     pub fn position(&self) -> Point {
         Point::new(self.x, self.y)

@@ -99,7 +99,7 @@ impl AnnotatedVisits {
         let before = self.stay.take().and_then(|stay| self.end(stay, moment));
         let ahead = if self.passed == 0 { 0.0 } else { PLACE_RADIUS };
         let center = moment.local_from_robot.transform_point(&Point::new(ahead, 0.0));
-        let way = self.follower.between(self.last_arrival, moment.scan).to_vec();
+        let way = Moment::between(self.follower.moments(), self.last_arrival, moment.scan).to_vec();
         self.follower.forget_before(&moment);
         self.stay = Some(Stay { center, way, arrival: moment, departure: None, visit: None });
         self.last_arrival = moment.scan;

@@ -84,12 +84,6 @@ impl Follower {
         &self.moments
     }
 
-    /// The moments from one scan to another, both included, as far as they are remembered.
-    pub(super) fn between(&self, from: usize, to: usize) -> &[Moment] {
-        let at = |scan: usize| self.moments.partition_point(|moment| moment.scan < scan);
-        &self.moments[at(from)..at(to.saturating_add(1)).max(at(from))]
-    }
-
     /// Forgets the way before an arrival, but for what may still be part of a trail.
     pub(super) fn forget_before(&mut self, arrival: &Moment) {
         let needed =
@@ -101,8 +95,12 @@ impl Follower {
     /// the local frame; nothing if there is no such grid.
     pub(super) fn lpm(&self, middle: &Point, robot: &Pose) -> Option<Lpm> {
         let grid = self.evidence.around(middle, self.side).ok()?;
-        let robot_pose = Pose { x: robot.x - middle.x, y: robot.y - middle.y, ..*robot };
-        Some(Lpm { grid, robot_pose, trail: self.trail(middle), middle: Some(Point::origin()) })
+        Some(Lpm {
+            grid,
+            robot_pose: robot.seen_from(middle),
+            trail: self.trail(middle),
+            middle: Some(Point::origin()),
+        })
     }
 
     /// Where the robot has been within the LPM around a point, in the LPM's frame.

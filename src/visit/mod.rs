@@ -110,6 +110,14 @@ pub struct Moment {
     pub driven: f64,
 }
 
+impl Moment {
+    /// Those of a way from one scan to another, both included.
+    fn between(way: &[Moment], from: usize, to: usize) -> &[Moment] {
+        let at = |scan: usize| way.partition_point(|moment| moment.scan < scan);
+        &way[at(from)..at(to.saturating_add(1)).max(at(from))]
+    }
+}
+
 /// A visit and the way to it: all moments from the arrival at the visit before, or from the beginning of the log.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stage {

@@ -67,8 +67,7 @@ impl Recollection {
     fn tell(&mut self, stay: Stay, moments: &[Moment]) -> Stage {
         let visit = stay.visit.clone();
         let from = self.told().map_or(0, |told| told.arrival.scan);
-        let within = from..=visit.arrival.scan;
-        let way = moments.iter().filter(|moment| within.contains(&moment.scan)).copied().collect();
+        let way = Moment::between(moments, from, visit.arrival.scan).to_vec();
         self.told = Some(stay);
         Stage { way, visit }
     }
@@ -90,8 +89,7 @@ impl Recollection {
             return None;
         }
         let first = from.map_or(0, |from| from.inside[1].scan);
-        let way = &moments[moments.partition_point(|moment| moment.scan < first)..];
-        let way = &way[..way.partition_point(|moment| moment.scan <= to.inside[0].scan)];
+        let way = Moment::between(moments, first, to.inside[0].scan);
         place.stretches(way, *presence).into_iter().find_map(|stretch| {
             let inside = [stretch.first().copied()?, stretch.last().copied()?];
             let long = inside[1].driven - inside[0].driven >= *hysteresis;

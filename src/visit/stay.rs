@@ -1,6 +1,6 @@
 //! A stay of the robot at a place, and whether it came in and left by the gateways that the place has.
 
-use crate::geometry::{Point, Pose, wrap_angle};
+use crate::geometry::{Point, wrap_angle};
 use crate::grid::Cell;
 use crate::lpm::Lpm;
 use crate::sensor::ray_cast::cells_crossed;
@@ -38,8 +38,7 @@ impl Stay {
         let place = describe(seen, perception).ok()?;
         let scans = inside.map(|moment| moment.scan);
         let [arrival, departure] = passages(way, scans, middle, &place.gateways)?;
-        let at = arrival.local_from_robot;
-        let robot_pose = Pose { x: at.x - middle.x, y: at.y - middle.y, ..at };
+        let robot_pose = arrival.local_from_robot.seen_from(middle);
         let visit = Visit { center: *middle, lpm: Lpm { robot_pose, ..seen.clone() }, arrival, departure };
         let stay = Stay { visit, inside, clearance: place.clearance, read: None };
         (arrival.scan <= departure.scan).then_some(stay)
@@ -119,8 +118,8 @@ impl Stay {
     /// A stay that goes on until the end of the next, at the place as it is in one of them.
     pub(super) fn prolonged(&self, next: &Stay, seen: &Stay) -> Stay {
         let arrival = self.visit.arrival;
-        let (center, at) = (seen.visit.center, arrival.local_from_robot);
-        let robot_pose = Pose { x: at.x - center.x, y: at.y - center.y, ..at };
+        let center = seen.visit.center;
+        let robot_pose = arrival.local_from_robot.seen_from(&center);
         let lpm = Lpm { robot_pose, ..seen.visit.lpm.clone() };
         let visit = Visit { center, lpm, arrival, departure: next.visit.departure };
         Stay { visit, inside: [self.inside[0], next.inside[1]], ..seen.clone() }

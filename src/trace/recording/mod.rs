@@ -42,14 +42,13 @@ impl Recorder {
 fn travel(from: &Visit, way: &[Moment]) -> Travel {
     let left = way.last().filter(|arrival| arrival.scan < from.departure.scan).unwrap_or(&from.departure);
     let start = left.local_from_robot;
-    let from_pose = Pose { x: start.x - from.center.x, y: start.y - from.center.y, ..start };
     let driven = &way[way.partition_point(|moment| moment.scan < left.scan)..];
     let seen = |moment: &Moment| start.inverse().compose(&moment.local_from_robot);
     let covariance = drift::covariance(way, &start);
     Travel {
         odometry: driven.last().map(seen),
         covariance: (!driven.is_empty()).then(|| std::array::from_fn(|k| covariance[(k / 3, k % 3)])),
-        from_pose: Some(from_pose),
+        from_pose: Some(start.seen_from(&from.center)),
         shape: shape(driven.iter().map(seen)),
     }
 }
