@@ -75,7 +75,8 @@ impl Measurements {
     }
 
     /// How many least-squares problems were solved in searches for room, by these measurements and all that were made from the
-    /// same ones: what was done, whatever it took and on how many threads. No answer depends on it.
+    /// same ones, of each search at most as many as it may solve: what was done, whatever it took and on how many threads. No
+    /// answer depends on it.
     pub fn problems(&self) -> u64 {
         self.problems.load(Ordering::Relaxed)
     }
