@@ -21,6 +21,7 @@ mod judge;
 mod floor_reference;
 mod layout_reference;
 mod lengths_and_angles;
+mod lessons;
 mod measured;
 mod measured_reference;
 mod mending;

@@ -9,8 +9,8 @@ use std::cell::Cell;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use topostar::abduction::{
-    Abduction, Assignment, AxiomId, AxiomSet, Clash, Evidence, Limits, Profile, Proposal, Proposed, REGISTRY,
-    Refutation, Visit, judge, proposed,
+    Abduction, Assignment, AxiomId, AxiomSet, Clash, Evidence, Learned, Limits, Profile, Proposal, Proposed,
+    REGISTRY, Refutation, Visit, judge, proposed,
 };
 use topostar::map::PlaceId;
 use topostar::metric::Measurements;
@@ -280,6 +280,10 @@ impl Evidence for Crowding {
 
     fn clash(&self, axiom: AxiomId, proposal: &Proposal<'_>) -> Clash {
         self.measured.clash(axiom, proposal)
+    }
+
+    fn learned(&self, proposal: &Proposal<'_>) -> Learned {
+        self.measured.learned(proposal)
     }
 }
 

@@ -1,6 +1,6 @@
 //! What axioms judge: a child proposed for a candidate.
 
-use crate::abduction::Assignment;
+use crate::abduction::{Assignment, Learned};
 use crate::map::{Boundaries, DstateId, Face, PlaceId, PlaceSet, TopologicalMap, path_from_end};
 use crate::star::LargeScaleStar;
 use std::any::Any;
@@ -14,6 +14,7 @@ pub struct Branch<'a> {
     from: DstateId,
     seen: &'a LargeScaleStar,
     lineage: &'a dyn Lineage,
+    learned: &'a Learned,
     visits: OnceCell<Vec<Assignment>>,
     path: OnceCell<PlaceSet>,
     face: OnceCell<Face>,
@@ -63,12 +64,14 @@ impl<'a> Branch<'a> {
         from: DstateId,
         seen: &'a LargeScaleStar,
         lineage: &'a dyn Lineage,
+        learned: &'a Learned,
     ) -> Self {
         Branch {
             map,
             from,
             seen,
             lineage,
+            learned,
             visits: OnceCell::new(),
             path: OnceCell::new(),
             face: OnceCell::new(),
@@ -95,6 +98,11 @@ impl<'a> Branch<'a> {
     /// What each observation before the travel was taken for. Linear in the observations the first time.
     pub fn visits(&self) -> &[Assignment] {
         self.visits.get_or_init(|| self.lineage.assignments())
+    }
+
+    /// What evidence learned of the candidate when that was judged.
+    pub fn learned(&self) -> &'a Learned {
+        self.learned
     }
 
     /// What evidence makes of the branch, whatever is proposed for it: made once, when first asked for. A branch is

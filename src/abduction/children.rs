@@ -3,7 +3,7 @@
 use crate::abduction::kept::Kept;
 use crate::abduction::tree::Node;
 use crate::abduction::{
-    Assignment, Axiom, AxiomId, AxiomSet, Boundary, Branch, Evidence, Lineage, Outcome, Proposal,
+    Assignment, Axiom, AxiomId, AxiomSet, Boundary, Branch, Evidence, Learned, Lineage, Outcome, Proposal,
     Refutations, Simplicity, Visit,
 };
 use crate::map::{DstateId, InternedStar, TopologicalMap};
@@ -119,8 +119,8 @@ impl<'a> Extension<'a> {
         }
     }
 
-    /// Adds the children of the candidate numbered `parent`, which had come to its map's place `at`; whether there
-    /// are any.
+    /// Adds the children of the candidate numbered `parent`, which had come to its map's place `at` and of which evidence has
+    /// `learned` something; whether there are any.
     ///
     /// Children are in the order of assignments. A travel over a known path segment has one at most; another one
     /// branches over every alignment with every place, then a new place, which only measured axioms speak against.
@@ -130,9 +130,10 @@ impl<'a> Extension<'a> {
         map: &TopologicalMap,
         at: Assignment,
         lineage: &dyn Lineage,
+        learned: &Learned,
     ) -> bool {
         let before = self.kept.added;
-        let branch = Branch::new(map, self.seen.left_by(map, at), self.seen.star.star(), lineage);
+        let branch = Branch::new(map, self.seen.left_by(map, at), self.seen.star.star(), lineage, learned);
         let parent = Parent { number: parent, at, branch: &branch };
         match map.far_end(branch.from()) {
             Some(to) => self.follow(&parent, to),
@@ -182,7 +183,8 @@ impl<'a> Extension<'a> {
         }
         let simplicity = || self.seen.simplicity(branch.map(), [at, assignment], self.axioms);
         let made = !matches!(outcome, Outcome::Known { .. });
-        self.kept.push(Node { parent: number, assignment }, made, simplicity);
+        let learned = || self.evidence.map(|evidence| evidence.learned(&proposal)).unwrap_or_default();
+        self.kept.push(Node { parent: number, assignment }, made, simplicity, learned);
     }
 }
 

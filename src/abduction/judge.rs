@@ -2,8 +2,8 @@
 
 use crate::abduction::children::turned;
 use crate::abduction::{
-    Assignment, Axiom, AxiomId, AxiomSet, Branch, Candidate, Clash, Evidence, Lineage, Outcome, Proposal,
-    Visit,
+    Assignment, Axiom, AxiomId, AxiomSet, Branch, Candidate, Clash, Evidence, Learned, Lineage, Outcome,
+    Proposal, Visit,
 };
 use crate::map::{DstateId, InternedStar, PlaceId, StarTable, TopologicalMap};
 use crate::star::SlotIndex;
@@ -38,7 +38,7 @@ pub fn judge(
 ) -> Result<Option<Candidate>, Refutation> {
     let laws = Laws::of(evidence, axioms);
     let judged = laws.beginning(visits, assignments)?.map(|(judged, _)| judged);
-    Ok(judged.map(|Judged { map, visits, robot }| Candidate { map, visits, robot }))
+    Ok(judged.map(|Judged { map, visits, robot, .. }| Candidate { map, visits, robot }))
 }
 
 /// The children that a search proposes for the candidate that a beginning of assignments makes, when it comes to the
@@ -122,6 +122,7 @@ struct Judged {
     map: Arc<TopologicalMap>,
     visits: Vec<Assignment>,
     robot: DstateId,
+    learned: Learned,
 }
 
 /// One observation and what it is taken for.
@@ -149,26 +150,32 @@ impl Judged {
             return Err(not_proposed(0, assignment, "the first observation is of place 0, unturned"));
         }
         let robot = DstateId { place: assignment.place, slot: visit.arrival };
-        Ok(Judged { map: Arc::new(TopologicalMap::first(star)), visits: vec![assignment], robot })
+        Ok(Judged {
+            map: Arc::new(TopologicalMap::first(star)),
+            visits: vec![assignment],
+            robot,
+            learned: Learned::default(),
+        })
     }
 
     fn with(mut self, step: &Step<'_>) -> Result<Judged, Refutation> {
-        if let Some(map) = self.check(step)? {
-            self.map = Arc::new(map);
-        }
+        let (map, learned) = self.check(step)?;
+        self.map = map.map_or(self.map, Arc::new);
+        self.learned = learned;
         let Assignment { place, rotation } = step.assignment;
         self.robot = DstateId { place, slot: turned(step.visit.arrival, rotation, step.size()) };
         self.visits.push(step.assignment);
         Ok(self)
     }
 
-    /// The new map, if one is made, or what refutes the step.
-    fn check(&self, step: &Step<'_>) -> Result<Option<TopologicalMap>, Refutation> {
+    /// The new map, if one is made, and what evidence learned; or what refutes the step.
+    fn check(&self, step: &Step<'_>) -> Result<(Option<TopologicalMap>, Learned), Refutation> {
         let lineage = Known(&self.visits);
-        let branch = Branch::new(&self.map, self.left_by(step), step.star.star(), &lineage);
+        let branch = Branch::new(&self.map, self.left_by(step), step.star.star(), &lineage, &self.learned);
         let proposal = step.proposal(&branch, self.visits.len())?;
         step.check(&proposal)?;
-        Ok(step.map(&proposal))
+        let learned = step.laws.evidence.map(|evidence| evidence.learned(&proposal)).unwrap_or_default();
+        Ok((step.map(&proposal), learned))
     }
 
     /// What a search proposes to take the observation for.

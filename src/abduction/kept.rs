@@ -1,7 +1,7 @@
 //! The children of one observation, cut to a limit while they are made.
 
-use crate::abduction::Simplicity;
 use crate::abduction::tree::Node;
+use crate::abduction::{Learned, Simplicity};
 
 /// Children in the order in which they were made. Never many more than the limit are held at once: one observation
 /// may make hundreds from every candidate.
@@ -10,6 +10,8 @@ pub(super) struct Kept {
     nodes: Vec<Node>,
     /// How simple the map of each node is; nothing without a limit.
     simplicities: Vec<Simplicity>,
+    /// What evidence learned of each; nothing without evidence.
+    learned: Option<Vec<Learned>>,
     /// How many were added, cut ones among them.
     pub(super) added: u64,
     /// How many of these have new maps.
@@ -21,15 +23,26 @@ pub(super) struct Kept {
 const SLACK: usize = 2048;
 
 impl Kept {
-    pub(super) fn new(limit: Option<usize>) -> Self {
-        Kept { limit, nodes: Vec::new(), simplicities: Vec::new(), added: 0, made: 0, cut: false }
+    /// No children yet; `measured` says that evidence judges them.
+    pub(super) fn new(limit: Option<usize>, measured: bool) -> Self {
+        let learned = measured.then(Vec::new);
+        Kept { limit, nodes: Vec::new(), simplicities: Vec::new(), learned, added: 0, made: 0, cut: false }
     }
 
     /// Adds a child, which comes after all before it in the order of assignments; `made` says that its map is new.
-    pub(super) fn push(&mut self, child: Node, made: bool, simplicity: impl FnOnce() -> Simplicity) {
+    pub(super) fn push(
+        &mut self,
+        child: Node,
+        made: bool,
+        simplicity: impl FnOnce() -> Simplicity,
+        learned: impl FnOnce() -> Learned,
+    ) {
         self.added += 1;
         self.made += u64::from(made);
         self.nodes.push(child);
+        if let Some(all) = &mut self.learned {
+            all.push(learned());
+        }
         if self.limit.is_some() {
             self.simplicities.push(simplicity());
             self.cut_to_slack();
@@ -43,6 +56,9 @@ impl Kept {
         self.made += others.made;
         self.nodes.extend(others.nodes);
         self.simplicities.extend(others.simplicities);
+        if let Some(all) = &mut self.learned {
+            all.extend(others.learned.unwrap_or_default());
+        }
         self.cut_to_slack();
     }
 
@@ -51,10 +67,11 @@ impl Kept {
         self.simplicities.iter().map(|simplicity| simplicity.places).max().unwrap_or(0)
     }
 
-    /// The simplest, and of equally simple ones the first, in their order, and whether any was cut.
-    pub(super) fn finish(mut self) -> (Vec<Node>, bool) {
+    /// The simplest, and of equally simple ones the first, in their order, with what was learned of each, and whether any was
+    /// cut.
+    pub(super) fn finish(mut self) -> (Vec<Node>, Vec<Learned>, bool) {
         self.cut_to_limit();
-        (self.nodes, self.cut)
+        (self.nodes, self.learned.unwrap_or_default(), self.cut)
     }
 
     fn cut_to_slack(&mut self) {
@@ -71,11 +88,16 @@ impl Kept {
         ranked.sort_unstable();
         let mut keep = vec![false; self.nodes.len()];
         ranked[..limit].iter().for_each(|&(_, index)| keep[index] = true);
-        let mut kept = keep.iter();
-        self.nodes.retain(|_| kept.next() == Some(&true));
-        let mut kept = keep.iter();
-        self.simplicities.retain(|_| kept.next() == Some(&true));
+        retain(&mut self.nodes, &keep);
+        retain(&mut self.simplicities, &keep);
+        self.learned.iter_mut().for_each(|all| retain(all, &keep));
     }
+}
+
+/// Drops what is not to be kept; what there is nothing about stays.
+pub(super) fn retain<T>(all: &mut Vec<T>, keep: &[bool]) {
+    let mut kept = keep.iter();
+    all.retain(|_| kept.next() != Some(&false));
 }
 
 #[cfg(test)]
@@ -100,15 +122,17 @@ mod tests {
             ranked.sort_unstable();
             let mut expected: Vec<u32> = ranked[..limit].iter().map(|&(_, k)| k).collect();
             expected.sort_unstable();
-            let mut kept = Kept::new(Some(limit));
+            let mut kept = Kept::new(Some(limit), true);
             for k in all.clone() {
-                kept.push(child(k), true, || simplicity(k));
+                kept.push(child(k), true, || simplicity(k), || Learned::of(k));
                 assert!(kept.nodes.len() <= 2 * limit.max(SLACK));
             }
             assert_eq!(kept.made, 20_000);
-            let (nodes, cut) = kept.finish();
+            let (nodes, learned, cut) = kept.finish();
             assert!(cut);
             assert_eq!(nodes.iter().map(|node| node.parent).collect::<Vec<u32>>(), expected);
+            let learned: Option<Vec<u32>> = learned.iter().map(|learned| learned.get().copied()).collect();
+            assert_eq!(learned, Some(expected));
         }
     }
 }

@@ -2,12 +2,12 @@
 
 use crate::abduction::candidate::{Assignment, Candidate};
 use crate::abduction::children::{Extension, Seen, turned};
-use crate::abduction::kept::Kept;
+use crate::abduction::kept::{Kept, retain};
 use crate::abduction::leaves::{BATCH, LeafMaps};
 use crate::abduction::settle::Minimum;
 use crate::abduction::tree::{Node, Tree};
 use crate::abduction::{
-    Assertion, AxiomSet, Count, Evidence, Extinction, Refutations, Report, Settlement, Simplicity,
+    Assertion, AxiomSet, Count, Evidence, Extinction, Learned, Refutations, Report, Settlement, Simplicity,
     StopReason, Strategy, Visit, VisitError, Word, WordError,
 };
 use crate::map::{Atlas, DstateId, PlaceId, StarTable, TopologicalMap};
@@ -33,6 +33,8 @@ pub struct Abduction {
     pub(super) word: Word,
     pub(super) tree: Tree,
     pub(super) maps: LeafMaps,
+    /// What evidence learned of each leaf; nothing where it has judged none.
+    learned: Arc<Vec<Learned>>,
     pub(super) maps_created: u64,
     /// By observation; of all together under the strategy that does not go by observations.
     pub(super) refuted: Vec<Refutations>,
@@ -59,7 +61,8 @@ pub struct Limits {
     pub max_candidates: Option<usize>,
     /// The most partial explanations that a search for the simplest candidates looks at.
     pub max_steps: Option<u64>,
-    /// The most bytes that the search may hold, beside the observations; counted as if candidates shared no memory.
+    /// The most bytes that the search may hold, beside the observations and what evidence has learned of candidates
+    /// ([`Learned`](crate::abduction::Learned)); counted as if candidates shared no memory.
     /// Breadth-first it keeps the simplest candidates that fit, the next ones beside them; best-first it stops.
     pub max_memory: Option<usize>,
 }
@@ -77,6 +80,7 @@ impl Abduction {
             word: Word::default(),
             tree: Tree::default(),
             maps: LeafMaps::default(),
+            learned: Arc::default(),
             maps_created: 0,
             refuted: Vec::new(),
             minimum: None,
@@ -117,8 +121,9 @@ impl Abduction {
             _ if self.strategy == Strategy::BestFirst => self.unsettle(),
             None => {
                 let assignment = Assignment { place: PlaceId::FIRST, rotation: 0 };
-                let (map, mut kept) = (TopologicalMap::first(&star), Kept::new(self.most_candidates()));
-                kept.push(Node { parent: 0, assignment }, true, || Simplicity::of(&map, self.axioms));
+                let (map, mut kept) = (TopologicalMap::first(&star), self.no_children());
+                let simplicity = || Simplicity::of(&map, self.axioms);
+                kept.push(Node { parent: 0, assignment }, true, simplicity, Learned::default);
                 self.keep(kept, Refutations::default(), LeafMaps::first(&map));
             }
             Some(departure) => self.extend(Seen::new(visit, departure, star)),
@@ -245,12 +250,13 @@ impl Abduction {
     /// Drops the leaves that are not to be kept.
     pub(super) fn retain(&mut self, keep: &[bool]) {
         self.tree.prune(keep);
+        retain(Arc::make_mut(&mut self.learned), keep);
     }
 
     /// Extends all candidates, on all cores. Each batch of them is extended by one thread, and the batches' children
     /// come together in the order of the batches, so that nothing depends on the number of threads.
     fn extend(&mut self, seen: Seen) {
-        let mut kept = Kept::new(self.most_candidates());
+        let mut kept = self.no_children();
         let mut refuted = Refutations::default();
         let mut maps = Vec::new();
         let batches: Vec<Range<usize>> =
@@ -271,7 +277,7 @@ impl Abduction {
         let observation = self.tree.depth();
         self.maps_created += kept.made;
         self.most_places = kept.most_places();
-        let (nodes, cut) = kept.finish();
+        let (nodes, learned, cut) = kept.finish();
         if cut {
             let reason = match self.most_candidates() == self.limits.max_candidates {
                 true => StopReason::CandidateLimit { observation },
@@ -281,24 +287,29 @@ impl Abduction {
         }
         self.tree.push(nodes);
         self.maps = maps;
+        self.learned = Arc::new(learned);
         self.refuted.push(refuted);
     }
 
     /// The children of some candidates, and the maps of those that have any.
     fn extend_batch(&self, seen: &Seen, parents: Range<usize>) -> (Atlas, Kept, Refutations) {
-        let kept = Kept::new(self.most_candidates());
-        let mut extension = Extension::new(seen, self.axioms(), self.evidence.as_deref(), kept);
+        let mut extension = Extension::new(seen, self.axioms(), self.evidence.as_deref(), self.no_children());
         let (mut maps, mut map) = (Atlas::with_capacity(parents.len()), self.blank());
         for parent in parents {
             self.maps.make(&self.tree, parent, &mut map);
             let at = self.tree.leaves()[parent].assignment;
-            match extension.extend(parent as u32, &map, at, &self.tree.leaf(parent)) {
+            let learned = self.learned.get(parent).cloned().unwrap_or_default();
+            match extension.extend(parent as u32, &map, at, &self.tree.leaf(parent), &learned) {
                 true => maps.push(&map),
                 false => maps.skip(),
             }
         }
         maps.shrink();
         (maps, extension.kept, extension.refuted)
+    }
+
+    fn no_children(&self) -> Kept {
+        Kept::new(self.most_candidates(), self.evidence.is_some())
     }
 
     /// The candidate at a position, its map made in some memory.

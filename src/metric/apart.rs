@@ -41,7 +41,7 @@ pub(super) fn breach(story: &Story<'_>) -> Option<Breach> {
         spots[share].get_or_init(|| judged(story, share, spot)?).clone()
     };
     let crowd = |share: usize| {
-        let crowd = |layout: &Layout| crowd(story, layout, separation).map(Some);
+        let crowd = |layout: &Layout| crowd(story, share, layout, separation).map(Some);
         spot(share).or_else(|| judged(story, share, crowd)?)
     };
     let breaches = in_every(spot).or_else(|| in_each(crowd))?;
@@ -66,7 +66,7 @@ pub(super) fn to_part(
 pub(super) fn room(story: &Story<'_>, share: usize, distance: f64, patience: Patience) -> Option<Room> {
     let room = |layout: &Layout| {
         let segments = Segments::new(story, &first_visits(story, layout), distance);
-        layout.agrees().then(|| layout.room(&segments, distance, patience, story.problems))
+        layout.agrees().then(|| layout.room(&segments, distance, patience, None, story.problems).0)
     };
     judged(story, share, room)?
 }
@@ -111,8 +111,9 @@ fn spot(story: &Story<'_>, layout: &Layout, separation: f64) -> Option<Breach> {
     Some(Breach::Rim { span, chi_square, gate, separation })
 }
 
-/// Places and segments that are in each other's way in a layout.
-fn crowd(story: &Story<'_>, layout: &Layout, separation: f64) -> Option<Breach> {
+/// Places and segments that are in each other's way in a layout, as far as it is known from before or found out. What is learned is
+/// known of the child.
+fn crowd(story: &Story<'_>, share: usize, layout: &Layout, separation: f64) -> Option<Breach> {
     let latest = story.latest();
     let segments = Segments::new(story, &first_visits(story, layout), separation);
     let at = |visit: usize| layout.poses[visit].position();
@@ -126,7 +127,10 @@ fn crowd(story: &Story<'_>, layout: &Layout, separation: f64) -> Option<Breach> 
     if story.outcome == Outcome::NewPlace && !segments.firsts.iter().any(beside) && !obstructed() {
         return None;
     }
-    match layout.room(&segments, separation, Patience::Short, story.problems) {
+    let (room, lessons) =
+        layout.room(&segments, separation, Patience::Short, story.lessons(share), story.problems);
+    story.learn(share, lessons);
+    match room {
         Room::Lacking(crowd) => Some(Breach::Crowd { crowd, separation }),
         Room::Found(_) | Room::Unknown => None,
     }

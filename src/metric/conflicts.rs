@@ -5,15 +5,30 @@
 //! they ended by, without these ways themselves, is a conflict too; and where one of them ends by ways taken before it, so do
 //! all beside it (conflict-directed backjumping, Prosser 1993). Of several questions the one comes first of which the fewest
 //! ways are left that no known conflict ends at once (fail first, Haralick and Elliott 1980).
+//!
+//! What a search has learned another one may know from the beginning, as far as it holds there.
 
+use rustc_hash::FxHashSet;
 use std::collections::BTreeSet;
+use std::hash::Hash;
+use std::sync::Arc;
+
+/// Ways that are too much together.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Conflict<W, R> {
+    /// Ascending.
+    pub(super) ways: Box<[W]>,
+    /// How far it holds, and what says so: of all that it follows from, that which holds least far.
+    pub(super) holds: f64,
+    pub(super) reason: R,
+}
 
 /// What there is beyond ways taken.
-pub(super) enum Look<W> {
+pub(super) enum Look<W, R> {
     /// Of each of these one way has to be taken; what is to be asked first comes first. At least one.
     Next(Vec<Ways<W>>),
     /// Of the ways taken these are too much together.
-    Conflict(BTreeSet<W>),
+    Conflict(Conflict<W, R>),
     /// Nothing is left to take.
     Open,
     /// Nothing is found out.
@@ -30,25 +45,31 @@ pub(super) struct Ways<W> {
 
 /// Whether there are ways that can all be taken together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Choice {
+pub(super) enum Choice<R> {
     /// There are.
     Found,
-    /// There are none.
-    Lacking,
+    /// There are none, for this reason and others.
+    Lacking(R),
     /// It is not found out.
     Unknown,
 }
 
-/// Whether ways can be taken until nothing is left to take, by asking `look` until it does not know.
+/// Whether ways can be taken until nothing is left to take, by asking `look` until it does not know; and all conflicts that are
+/// known then, those known before first.
 ///
 /// Law: they are lacking exactly if every choice contains a conflict, where `look` is never open but of a choice of all, and
-/// never unknown.
-pub(super) fn choice<W: Copy + Ord>(look: impl FnMut(&[W]) -> Look<W>) -> Choice {
-    match (Search { look, conflicts: Vec::new() }).branch(&mut Vec::new()) {
-        Ok(_) => Choice::Lacking,
+/// never unknown; whichever of its conflicts, or what follows from them, were known before.
+pub(super) fn choice<W: Copy + Ord + Hash, R: Clone>(
+    known: Vec<Arc<Conflict<W, R>>>,
+    look: impl FnMut(&[W]) -> Look<W, R>,
+) -> (Choice<R>, Vec<Arc<Conflict<W, R>>>) {
+    let mut search = Search { look, conflicts: known };
+    let choice = match search.branch(&mut Vec::new()) {
+        Ok(conflict) => Choice::Lacking(conflict.reason.clone()),
         Err(Ended::Open) => Choice::Found,
         Err(Ended::Unknown) => Choice::Unknown,
-    }
+    };
+    (choice, search.conflicts)
 }
 
 /// Why a search ends before all branches do.
@@ -57,53 +78,76 @@ enum Ended {
     Unknown,
 }
 
-struct Search<W, L> {
+struct Search<W, R, L> {
     look: L,
-    conflicts: Vec<BTreeSet<W>>,
+    conflicts: Vec<Arc<Conflict<W, R>>>,
 }
 
-impl<W: Copy + Ord, L: FnMut(&[W]) -> Look<W>> Search<W, L> {
+impl<W: Copy + Ord + Hash, R: Clone, L: FnMut(&[W]) -> Look<W, R>> Search<W, R, L> {
     /// Ends all branches beyond ways taken; those of them that are in conflict, if every branch ends. As deep as ways can be
     /// taken.
-    fn branch(&mut self, taken: &mut Vec<W>) -> Result<BTreeSet<W>, Ended> {
-        let holds = |conflict: &&BTreeSet<W>| conflict.iter().all(|way| taken.contains(way));
-        if let Some(known) = self.conflicts.iter().find(holds) {
-            return Ok(known.clone());
+    fn branch(&mut self, taken: &mut Vec<W>) -> Result<Arc<Conflict<W, R>>, Ended> {
+        let all: FxHashSet<W> = taken.iter().copied().collect();
+        if let Some(known) =
+            self.conflicts.iter().find(|known| known.ways.iter().all(|way| all.contains(way)))
+        {
+            return Ok(Arc::clone(known));
         }
         let conflict = match (self.look)(taken) {
             Look::Open => return Err(Ended::Open),
             Look::Unknown => return Err(Ended::Unknown),
-            Look::Conflict(conflict) => conflict,
+            Look::Conflict(conflict) => Arc::new(conflict),
             Look::Next(questions) => {
-                let ways = self.narrowest(questions, taken).ok_or(Ended::Unknown)?;
-                let mut all: BTreeSet<W> = ways.whole.into_iter().collect();
-                for way in ways.parts {
-                    taken.push(way);
-                    let mut conflict = self.branch(taken)?;
-                    taken.pop();
-                    if !conflict.remove(&way) {
-                        return Ok(conflict);
-                    }
-                    all.append(&mut conflict);
+                let ways = self.narrowest(questions, &all).ok_or(Ended::Unknown)?;
+                match self.beyond(taken, ways)? {
+                    Beyond::Before(known) => return Ok(known),
+                    Beyond::All(conflict) => Arc::new(conflict),
                 }
-                all
             }
         };
-        self.conflicts.push(conflict.clone());
+        self.conflicts.push(Arc::clone(&conflict));
         Ok(conflict)
     }
 
-    /// The first of the questions of which the fewest ways are left, beyond those taken. As many steps as conflicts have ways, for each
-    /// way taken.
-    fn narrowest(&self, questions: Vec<Ways<W>>, taken: &[W]) -> Option<Ways<W>> {
-        let last = |conflict: &BTreeSet<W>| {
-            let mut others = conflict.iter().filter(|way| !taken.contains(way));
+    /// Ends all branches by each of some ways.
+    fn beyond(&mut self, taken: &mut Vec<W>, ways: Ways<W>) -> Result<Beyond<W, R>, Ended> {
+        let mut all: BTreeSet<W> = ways.whole.into_iter().collect();
+        let mut weakest: Option<Arc<Conflict<W, R>>> = None;
+        for way in ways.parts {
+            taken.push(way);
+            let conflict = self.branch(taken)?;
+            taken.pop();
+            if !conflict.ways.contains(&way) {
+                return Ok(Beyond::Before(conflict));
+            }
+            all.extend(conflict.ways.iter().filter(|&&other| other != way));
+            weakest = Some(weakest.map_or(Arc::clone(&conflict), |weakest| {
+                if conflict.holds < weakest.holds { Arc::clone(&conflict) } else { weakest }
+            }));
+        }
+        let weakest = weakest.ok_or(Ended::Unknown)?;
+        let (holds, reason) = (weakest.holds, weakest.reason.clone());
+        Ok(Beyond::All(Conflict { ways: all.into_iter().collect(), holds, reason }))
+    }
+
+    /// The first of the questions of which the fewest ways are left, beyond those taken. As many steps as conflicts have ways.
+    fn narrowest(&self, questions: Vec<Ways<W>>, taken: &FxHashSet<W>) -> Option<Ways<W>> {
+        let last = |conflict: &Arc<Conflict<W, R>>| {
+            let mut others = conflict.ways.iter().filter(|way| !taken.contains(way));
             others.next().copied().filter(|_| others.next().is_none())
         };
-        let ended: BTreeSet<W> = self.conflicts.iter().filter_map(last).collect();
+        let ended: FxHashSet<W> = self.conflicts.iter().filter_map(last).collect();
         let left = |ways: &Ways<W>| ways.parts.iter().filter(|way| !ended.contains(way)).count();
         questions.into_iter().min_by_key(left)
     }
+}
+
+/// What ends all branches by each of some ways.
+enum Beyond<W, R> {
+    /// A conflict of ways taken before.
+    Before(Arc<Conflict<W, R>>),
+    /// What they end by together.
+    All(Conflict<W, R>),
 }
 
 #[cfg(test)]
@@ -132,11 +176,17 @@ mod tests {
         (0..1usize << (2 * QUESTIONS)).map(choice).collect()
     }
 
+    /// One of some conflicts, which holds as far as its number says.
+    fn numbered(conflicts: &[BTreeSet<Way>], number: usize) -> Conflict<Way, usize> {
+        let ways = conflicts[number].iter().copied().collect();
+        Conflict { ways, holds: number as f64, reason: number }
+    }
+
     /// What is beyond ways taken if these are the conflicts, and questions come in this order.
-    fn look(conflicts: &[BTreeSet<Way>], order: &[usize], taken: &[Way]) -> Look<Way> {
-        let holds = |conflict: &&BTreeSet<Way>| conflict.iter().all(|way| taken.contains(way));
-        if let Some(conflict) = conflicts.iter().find(holds) {
-            return Look::Conflict(conflict.clone());
+    fn look(conflicts: &[BTreeSet<Way>], order: &[usize], taken: &[Way]) -> Look<Way, usize> {
+        let holds = |conflict: &BTreeSet<Way>| conflict.iter().all(|way| taken.contains(way));
+        if let Some(number) = conflicts.iter().position(holds) {
+            return Look::Conflict(numbered(conflicts, number));
         }
         let of = |question: usize| taken.iter().rfind(move |way| way.0 == question);
         let next = order.iter().filter(|&&question| of(question).is_none_or(|way| way.2.is_none()));
@@ -159,10 +209,39 @@ mod tests {
             conflicts in prop::collection::vec(prop::collection::btree_set(ways(), 1..4), 0..24),
             order in Just((0..QUESTIONS).collect::<Vec<_>>()).prop_shuffle(),
         ) {
-            let found = choice(|taken: &[Way]| look(&conflicts, &order, taken));
+            let (found, learned) = choice(Vec::new(), |taken: &[Way]| look(&conflicts, &order, taken));
             let ended = |choice: &BTreeSet<Way>| conflicts.iter().any(|conflict| conflict.is_subset(choice));
             let all_end = choices().iter().all(ended);
-            prop_assert_eq!(found, if all_end { Choice::Lacking } else { Choice::Found });
+            prop_assert_eq!(matches!(found, Choice::Lacking(_)), all_end);
+            prop_assert_eq!(found == Choice::Found, !all_end);
+            // What was learned is so: where it is chosen, something as far or farther that it follows from is too.
+            for conflict in &learned {
+                let least = conflict.reason;
+                prop_assert_eq!(conflict.holds, least as f64);
+                let follows = |choice: &BTreeSet<Way>| conflicts[least..].iter().any(|known| known.is_subset(choice));
+                let chosen = |choice: &&BTreeSet<Way>| conflict.ways.iter().all(|way| choice.contains(way));
+                prop_assert!(choices().iter().filter(chosen).all(follows));
+            }
+        }
+
+        /// Also where each conflict was learned with some of them gone since.
+        #[test]
+        fn what_was_learned_changes_nothing(
+            conflicts in prop::collection::vec(prop::collection::btree_set(ways(), 1..4), 0..24),
+            order in Just((0..QUESTIONS).collect::<Vec<_>>()).prop_shuffle(),
+            then in Just((0..QUESTIONS).collect::<Vec<_>>()).prop_shuffle(),
+            (gone, most) in (0usize..12, 0usize..40),
+        ) {
+            let mut left = most;
+            let (_, learned) = choice(Vec::new(), |taken: &[Way]| {
+                let known = left.checked_sub(1).map(|rest| left = rest);
+                known.map_or(Look::Unknown, |()| look(&conflicts, &order, taken))
+            });
+            let still = learned.into_iter().filter(|known| known.holds >= gone as f64).collect();
+            let rest = conflicts.get(gone..).unwrap_or_default();
+            let (found, _) = choice(still, |taken: &[Way]| look(rest, &then, taken));
+            let ended = |choice: &BTreeSet<Way>| rest.iter().any(|conflict| conflict.is_subset(choice));
+            prop_assert_eq!(matches!(found, Choice::Lacking(_)), choices().iter().all(ended));
         }
     }
 
@@ -171,23 +250,25 @@ mod tests {
         let conflicts: Vec<BTreeSet<Way>> = [0, 1].map(|side| BTreeSet::from([(0, side, None)])).into();
         let asked = |most: usize| {
             let mut left = most;
-            choice(|taken: &[Way]| {
+            let asked = choice(Vec::new(), |taken: &[Way]| {
                 let known = left.checked_sub(1).map(|rest| left = rest);
                 known.map_or(Look::Unknown, |()| look(&conflicts, &[0, 1, 2, 3], taken))
-            })
+            });
+            asked.0
         };
         assert_eq!([0, 1, 2].map(asked), [Choice::Unknown; 3]);
-        assert_eq!(asked(3), Choice::Lacking);
+        assert_eq!(asked(3), Choice::Lacking(0));
     }
 
     #[test]
     fn the_question_with_the_fewest_ways_left_comes_first() {
         let [zero, one, three] = [(0, 0, None), (1, 0, None), (3, 0, None)];
         let conflicts = [[zero, three], [one, three], [one, (2, 1, None)]].map(BTreeSet::from);
-        let search = Search { look: |_: &[Way]| Look::Unknown, conflicts: conflicts.into() };
+        let conflicts = (0..3).map(|number| Arc::new(numbered(&conflicts, number))).collect();
+        let search = Search { look: |_: &[Way]| Look::Unknown, conflicts };
         let first = |order: &[usize], taken: &[Way]| {
             let Look::Next(questions) = look(&[], order, taken) else { return None };
-            search.narrowest(questions, taken).map(|ways| ways.parts)
+            search.narrowest(questions, &taken.iter().copied().collect()).map(|ways| ways.parts)
         };
         let both = |question| Some(vec![(question, 0, None), (question, 1, None)]);
         assert_eq!(first(&[1, 2, 3], &[]), both(1), "where all have as many left the first one");

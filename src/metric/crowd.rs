@@ -22,11 +22,13 @@
 use crate::metric::conflicts::{Choice, Look, choice};
 use crate::metric::floor::{Apart, Floor, Solved};
 use crate::metric::layout::{Layout, Span};
+use crate::metric::lessons::{Lesson, Lessons, Scope};
 use crate::metric::profile::{NEARER, Reached};
 use crate::metric::segments::Segments;
 use crate::metric::uncertainty::quantile;
 use crate::metric::witness::Witness;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// At most so many things are chosen one after the other. Random walks need some fifty.
@@ -37,7 +39,7 @@ const DEEPEST: usize = 1_000;
 pub enum Patience {
     /// As `apart` does.
     Short,
-    /// Ten times as long.
+    /// Twenty times as long.
     Long,
 }
 
@@ -45,7 +47,7 @@ impl Patience {
     /// At most so many least-squares problems are solved, and what the last branch looked at takes.
     fn problems(self) -> usize {
         match self {
-            Patience::Short => 12_000,
+            Patience::Short => 6_000,
             Patience::Long => 120_000,
         }
     }
@@ -94,29 +96,34 @@ impl InTheWay {
 }
 
 impl Layout {
-    /// Whether first visits, measured in between, can all lie so far from each other, and segments clear of all.
-    /// Adds up the problems solved.
+    /// Whether first visits, measured in between, can all lie so far from each other, and segments clear of all; and what is
+    /// known then, if that was known before. Adds up the problems solved.
     pub(super) fn room(
         &self,
         segments: &Segments,
         separation: f64,
         patience: Patience,
+        before: Option<&Lessons>,
         problems: &AtomicU64,
-    ) -> Room {
-        let Some(floor) = Floor::new(self, segments, separation) else { return Room::Unknown };
+    ) -> (Room, Option<Lessons>) {
+        let Some(floor) = Floor::new(self, segments, separation) else { return (Room::Unknown, None) };
+        let lessons = Lessons::known(before, self, Scope { since: floor.since(), separation });
+        let known = lessons.conflicts().to_vec();
         let budget = patience.problems();
-        let mut search = Search { layout: self, floor, budget, ended: BTreeMap::new(), witness: None };
-        let choice = choice(|chosen| search.look(chosen));
+        let mut search =
+            Search { layout: self, floor, lessons, budget, ended: BTreeMap::new(), witness: None };
+        let (choice, known) = choice(known, |chosen| search.look(chosen));
         problems.fetch_add((budget - search.budget) as u64, Ordering::Relaxed);
-        match choice {
+        let room = match choice {
             Choice::Found => search.witness.map_or(Room::Unknown, Room::Found),
             Choice::Unknown => Room::Unknown,
-            Choice::Lacking => {
-                let least = search.ended.into_values().flatten();
-                let least = least.min_by(|a, b| a.chi_square.total_cmp(&b.chi_square));
-                least.map_or(Room::Unknown, Room::Lacking)
+            Choice::Lacking(reason) => {
+                let ended = search.ended.into_values().flatten().chain([reason]);
+                let least = ended.min_by(|a, b| a.chi_square.total_cmp(&b.chi_square));
+                least.map_or(Room::Unknown, |least| Room::Lacking(Crowd::clone(&least)))
             }
-        }
+        };
+        (room, Some(search.lessons.with(known)))
     }
 
     /// The gate of some conditions together, as far as all loops leave it.
@@ -131,17 +138,19 @@ impl Layout {
 struct Search<'a> {
     layout: &'a Layout,
     floor: Floor<'a>,
+    /// What was known before.
+    lessons: Lessons,
     /// How many problems may be solved yet.
     budget: usize,
     /// What it takes to have things apart in some ways, if that is too much.
-    ended: BTreeMap<Vec<Apart>, Option<Crowd>>,
+    ended: BTreeMap<Vec<Apart>, Option<Arc<Crowd>>>,
     /// What was found.
     witness: Option<Witness>,
 }
 
 impl Search<'_> {
     /// What there is beyond some choices. Where first order finds too much, or room for all, it is asked whether that is so.
-    fn look(&mut self, chosen: &[Apart]) -> Look<Apart> {
+    fn look(&mut self, chosen: &[Apart]) -> Look<Apart, Arc<Crowd>> {
         if self.budget == 0 || chosen.len() > DEEPEST {
             return Look::Unknown;
         }
@@ -176,17 +185,21 @@ impl Search<'_> {
     }
 
     /// That nothing is left to choose beyond so many bounds that bear, if that holds of the errors found as they are.
-    fn open(&mut self, found: &Layout, bearing: usize) -> Look<Apart> {
+    fn open(&mut self, found: &Layout, bearing: usize) -> Look<Apart, Arc<Crowd>> {
         let (least, _) = self.layout.chi_square();
         self.witness = self.floor.witness(found, least, self.layout.gate(bearing));
         if self.witness.is_some() { Look::Open } else { Look::Unknown }
     }
 
     /// Few of some that take more than their gate together, also where first order does not hold.
-    fn conflict(&mut self, bearing: &[Apart]) -> Option<BTreeSet<Apart>> {
+    fn conflict(&mut self, bearing: &[Apart]) -> Option<Lesson> {
         let few = self.fewer(bearing);
-        let conflict = [few.as_slice(), bearing].into_iter().find(|chosen| self.ends(chosen))?;
-        Some(conflict.iter().copied().collect())
+        [few.as_slice(), bearing].into_iter().find_map(|chosen| {
+            let reason = self.ends(chosen)?;
+            // A way is two bounds at most.
+            let holds = self.lessons.hold(2 * chosen.len(), &reason);
+            Some(Lesson { ways: chosen.into(), holds, reason })
+        })
     }
 
     /// Without each in turn that is not needed for them to take more than their gate, to first order.
@@ -202,13 +215,13 @@ impl Search<'_> {
         few
     }
 
-    /// Whether some take more than their gate.
-    fn ends(&mut self, chosen: &[Apart]) -> bool {
+    /// What some take, if that is more than their gate.
+    fn ends(&mut self, chosen: &[Apart]) -> Option<Arc<Crowd>> {
         if !self.ended.contains_key(chosen) {
-            let beyond = self.beyond(chosen);
+            let beyond = self.beyond(chosen).map(Arc::new);
             self.ended.insert(chosen.to_vec(), beyond);
         }
-        self.ended[chosen].is_some()
+        self.ended[chosen].clone()
     }
 
     /// What it takes at least to have things apart in some ways, if that is more than their gate. Near bounds are found where those

@@ -22,6 +22,9 @@ use std::rc::Rc;
 /// How far within a bound a visit is on it, metres: rounding, and pulls that are not quite the best.
 const MET: f64 = 1e-3;
 
+/// At most so many covariances are remembered, some 30 MB.
+const COVARIANCES: usize = 1 << 20;
+
 /// One of several ways in which two things have room beside each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) enum Apart {
@@ -49,7 +52,7 @@ struct Known {
     apart: Apart,
     /// The bound that it is made of, and how many were made before.
     bound: Bound,
-    number: usize,
+    number: u32,
     condition: Condition,
 }
 
@@ -57,8 +60,9 @@ struct Known {
 #[derive(Default)]
 struct Made {
     conditions: FxHashMap<Apart, Vec<Rc<Known>>>,
-    count: usize,
-    covariances: FxHashMap<(usize, usize), f64>,
+    count: u32,
+    /// Never more than [`COVARIANCES`]; asked for again they are the same.
+    covariances: FxHashMap<(u32, u32), f64>,
 }
 
 /// Least squares within some bounds.
@@ -92,6 +96,11 @@ impl<'a> Floor<'a> {
         let known = (since..layout.poses.len()).map(|to| layout.known(Span { from: since, to }, None));
         let known = known.collect::<Option<_>>()?;
         Some(Floor { layout, segments, separation, since, known, made: RefCell::default() })
+    }
+
+    /// The first visit that all is seen from.
+    pub(super) fn since(&self) -> usize {
+        self.since
     }
 
     /// The least that it takes to have all of these hold.
@@ -281,6 +290,9 @@ impl<'a> Floor<'a> {
         let (one, other) = if one.number < other.number { (one, other) } else { (other, one) };
         let asked = || one.condition.covariance(&other.condition, self.layout);
         let covariances = &mut self.made.borrow_mut().covariances;
+        if covariances.len() >= COVARIANCES {
+            covariances.clear();
+        }
         *covariances.entry((one.number, other.number)).or_insert_with(asked)
     }
 

@@ -1,15 +1,17 @@
 //! The visits of a candidate and the frames of its places.
 
-use crate::abduction::{Assignment, Branch, Outcome, Proposal};
+use crate::abduction::{Assignment, Branch, Learned, Outcome, Proposal};
 use crate::geometry::wrap_angle;
 use crate::map::DstateId;
 use crate::metric::MetricParameters;
 use crate::metric::layout::Layout;
+use crate::metric::lessons::Lessons;
 use crate::metric::measurements::Stay;
 use crate::metric::share::SHARES;
 use crate::star::SlotIndex;
 use std::cell::{OnceCell, RefCell};
 use std::rc::Rc;
+use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
 /// What a child of a candidate says of all visits up to the one proposed for, the last, with what was measured.
@@ -27,13 +29,28 @@ pub(super) struct Story<'a> {
     first: Vec<usize>,
 }
 
+/// What is known of a child whose axioms hold, for its own children: what was learned of it, or else of the candidate.
+pub(super) fn learned(proposal: &Proposal<'_>) -> Learned {
+    let taught = || {
+        let layouts: &Layouts = proposal.branch.measured(Default::default)?;
+        let learned = layouts.learned.take().filter(|(last, _)| *last == proposal.assignment);
+        learned.map(|(_, taught)| Learned::of(taught))
+    };
+    taught().unwrap_or_else(|| proposal.branch.learned().clone())
+}
+
 /// The layouts asked for so far under each of [`SHARES`]: those that all children of a candidate share, and those of
 /// the child asked about last.
 #[derive(Debug, Default)]
 struct Layouts {
     before: [OnceCell<Option<Layout>>; SHARES.len()],
     after: RefCell<Option<(Assignment, After)>>,
+    /// What was learned of the child asked about last.
+    learned: RefCell<Option<(Assignment, Taught)>>,
 }
+
+/// Lessons by [`SHARES`].
+type Taught = [Option<Arc<Lessons>>; SHARES.len()];
 
 type After = [OnceCell<Option<Rc<Layout>>>; SHARES.len()];
 
@@ -73,6 +90,21 @@ impl<'a> Story<'a> {
         let (_, shares) = after.as_mut()?;
         let make = || Layout::new(self, self.latest() + 1, SHARES[share]).map(Rc::new);
         shares[share].get_or_init(make).clone()
+    }
+
+    /// What is known of the candidate under one of [`SHARES`].
+    pub(super) fn lessons(&self, share: usize) -> Option<&'a Lessons> {
+        self.branch.learned().get::<Taught>()?[share].as_deref()
+    }
+
+    /// Keeps for the child what was learned under one of [`SHARES`].
+    pub(super) fn learn(&self, share: usize, lessons: Option<Lessons>) {
+        let Some(layouts) = self.branch.measured::<Layouts>(Default::default) else { return };
+        let mut learned = layouts.learned.borrow_mut();
+        let now = learned.take().filter(|(last, _)| *last == self.last).map(|(_, taught)| taught);
+        let mut taught = now.or_else(|| self.branch.learned().get().cloned()).unwrap_or_default();
+        taught[share] = lessons.filter(|lessons| !lessons.is_empty()).map(Arc::new);
+        *learned = Some((self.last, taught));
     }
 
     /// The last visit, which is the one proposed for.

@@ -15,8 +15,9 @@
 use crate::geometry::{Pose, Vector, lever, rotation, wrap_angle};
 use crate::metric::chain::link;
 use crate::metric::frames::Story;
+use crate::metric::loops::Loops;
 use crate::metric::share::{Share, Travel};
-use crate::metric::uncertainty::{TAIL, Uncertainty, exceeded, quantile};
+use crate::metric::uncertainty::{TAIL, Uncertainty, exceeded};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// Two visits; the second one is later.
@@ -109,6 +110,12 @@ impl Layout {
         (self.whitened.norm_squared(), degrees)
     }
 
+    /// All loops together.
+    pub(super) fn loops_together(&self) -> Loops {
+        let (chi_square, degrees) = self.chi_square();
+        Loops { chi_square, degrees }
+    }
+
     /// Whether likely errors close all loops.
     pub(super) fn agrees(&self) -> bool {
         let (chi_square, degrees) = self.chi_square();
@@ -117,8 +124,7 @@ impl Layout {
 
     /// What the gate of all loops together leaves for a test of so many degrees of freedom, at most its own gate.
     pub(super) fn left(&self, degrees: usize, gate: f64) -> f64 {
-        let (chi_square, all) = self.chi_square();
-        (quantile(all + degrees) - chi_square).clamp(0.0, gate)
+        self.loops_together().left(degrees, gate)
     }
 
     /// Whether all travels of the span are measured.

@@ -1,10 +1,10 @@
 //! The measurements of a trace, growing by a visit at a time.
 
-use crate::abduction::{AxiomId, Clash, Evidence, Proposal};
+use crate::abduction::{AxiomId, Clash, Evidence, Learned, Proposal};
 use crate::geometry::Pose;
 use crate::metric::breach::Breach;
 use crate::metric::crowd::{Patience, Room};
-use crate::metric::frames::Story;
+use crate::metric::frames::{Story, learned};
 use crate::metric::layout::Span;
 use crate::metric::leg::Travelled;
 use crate::metric::share::SHARES;
@@ -129,7 +129,7 @@ impl Measurements {
     /// same on all travels, by number; `None` where no likely errors close the loops. What is lacking is lacking as far as a
     /// descent from the likeliest errors finds the least chi-square. What is found is short of the distance by 3.5 % at most,
     /// of which a polygon falls short of a circle, and a centimetre; that it is so, and within the gate, is looked at once
-    /// more without derivatives ([`Witness`](crate::metric::Witness)). Up to 12,000 or 120,000 least-squares problems, each cubic in the loops and quadratic in the conditions.
+    /// more without derivatives ([`Witness`](crate::metric::Witness)). Up to 6,000 or 120,000 least-squares problems, each cubic in the loops and quadratic in the conditions.
     pub fn room(
         &self,
         proposal: &Proposal<'_>,
@@ -177,5 +177,9 @@ impl Evidence for Measurements {
 
     fn clash(&self, axiom: AxiomId, proposal: &Proposal<'_>) -> Clash {
         self.judge(axiom, proposal, Breach::clash).unwrap_or_default()
+    }
+
+    fn learned(&self, proposal: &Proposal<'_>) -> Learned {
+        learned(proposal)
     }
 }

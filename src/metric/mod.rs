@@ -1,8 +1,9 @@
 //! The measured axioms: what odometry and bearings say of a candidate map (seed, sections 2.3 and 3.2).
 //!
 //! [`Measurements`] holds what was measured on a trace and judges behind [`crate::abduction::Evidence`]. An axiom
-//! is a pure function of the measurements, the assignments of a candidate and what is proposed for one travel: no
-//! candidate carries metric state, so that every order of search gives the same answer. Judging the children of a
+//! is a pure function of the measurements, the assignments of a candidate and what is proposed for one travel, so that every
+//! order of search gives the same answer. A candidate carries nothing but what searches for room have learned (`lessons`), which
+//! follows from the same. Judging the children of a
 //! candidate costs about the cube of the loops it has closed, once for all (`layout`).
 //!
 //! All that is measured lies in a graph of two kinds of frames (`chain`): that of each visit, and that of each
@@ -31,6 +32,8 @@ mod floor;
 mod frames;
 mod layout;
 mod leg;
+mod lessons;
+mod loops;
 mod measurements;
 mod parameters;
 mod profile;
