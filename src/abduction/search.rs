@@ -62,7 +62,7 @@ pub struct Limits {
     /// The most partial explanations that a search for the simplest candidates looks at.
     pub max_steps: Option<u64>,
     /// The most bytes that the search may hold, beside the observations and what evidence has learned of candidates
-    /// ([`Learned`](crate::abduction::Learned)); counted as if candidates shared no memory.
+    /// ([`Learned`]); counted as if candidates shared no memory.
     /// Breadth-first it keeps the simplest candidates that fit, the next ones beside them; best-first it stops.
     pub max_memory: Option<usize>,
 }
