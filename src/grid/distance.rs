@@ -69,7 +69,8 @@ impl DistanceField {
         };
         let outer = (inner as f64).sqrt() + slack / self.info.resolution;
         // Of each side the squared distance, the row and the column of the nearest.
-        let mut nearest = [(outer.powi(2) as i64, usize::MAX, usize::MAX); 2];
+        // The square of a root may be less than it was.
+        let mut nearest = [((outer.powi(2) as i64).max(inner), usize::MAX, usize::MAX); 2];
         // Row by row outwards, so that what is found soon spares the rest.
         let reach = (outer as i64).min(self.info.height as i64);
         for (dy, y) in (0..=reach).flat_map(|away| self.rows_beside(at.y, away)) {
@@ -256,6 +257,17 @@ mod tests {
         cells[0] = Cell::Unknown;
         let field = DistanceField::new(&grid(1000, cells));
         assert!((field.clearance(CellIndex { x: 999, y: 0 }) - 99.9).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_nearest_obstacle_is_beside_without_slack() {
+        for (x, y) in (0..20).flat_map(|y| (0..20).map(move |x| (x, y))).skip(20) {
+            let mut cells = vec![Cell::Free; 400];
+            cells[20 * y + x] = Cell::Occupied;
+            let field = DistanceField::new(&grid(20, cells));
+            let sides = field.sides(CellIndex { x: 0, y: 0 }, &Vector::new(1.0, 0.0), 0.0, 0.0);
+            assert_eq!(sides, Sides { left: Some(CellIndex { x, y }), right: None });
+        }
     }
 
     #[test]
