@@ -133,9 +133,14 @@ impl ScanMatcher {
         ScanMatcher { parameters, walls, last: None, before: None, remembered: None }
     }
 
-    /// The pose at the next scan. Costs beams times rounds; scans at which the robot has not moved cost nothing.
+    /// The pose at the next scan. Costs beams times rounds; scans at which the robot has not moved cost nothing, and
+    /// neither do those whose odometry is not finite: the robot is then where it was.
     pub fn add(&mut self, scan: &LaserScan) -> LocalPose {
         let odom = scan.odom_from_robot;
+        if !odom.is_finite() {
+            let was = self.last.map_or(Pose::IDENTITY, |last| last.local_from_robot);
+            return LocalPose { local_from_robot: was, drift: Matrix3::zeros(), used: false };
+        }
         let leap = self.before.replace((scan.stamp, odom)).is_some_and(|before| is_leap(before, scan));
         let Some(last) = self.last else {
             // Far from zero, numbers are coarse and walls cannot be counted.
@@ -388,6 +393,17 @@ mod tests {
             let off = off(&placed.into_iter().map(in_room).collect::<Vec<_>>());
             assert!(off < 0.03, "{off} at {start:?}");
         }
+    }
+
+    #[test]
+    fn a_scan_without_odometry_is_passed_over() {
+        let nowhere = Pose { x: f64::NAN, y: 0.0, theta: f64::INFINITY };
+        let lost = |k: usize| k % 7 == 0;
+        let placed = matched(|k| if lost(k) { nowhere } else { Pose::IDENTITY });
+        let (without, with): (Vec<_>, Vec<_>) = placed.iter().enumerate().partition(|(k, _)| lost(*k));
+        assert!(without.iter().all(|(_, (_, found))| !found.used && found.local_from_robot.is_finite()));
+        let with: Vec<(Pose, LocalPose)> = with.into_iter().map(|(_, placed)| *placed).collect();
+        assert!(off(&with) < 0.03 && with.iter().all(|(_, found)| found.used), "{}", off(&with));
     }
 
     #[test]

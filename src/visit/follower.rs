@@ -5,6 +5,7 @@ use crate::grid::{GridError, GridInfo, OccupancyGrid};
 use crate::lpm::Lpm;
 use crate::sensor::{EvidenceGrid, LaserScan, LocalPose, ScanMatcher};
 use crate::visit::{Moment, VisitParameters};
+use nalgebra::Matrix3;
 
 /// Poses and a grid that scrolls with the robot. Memory is bounded by the window and by the way that is not yet
 /// forgotten.
@@ -51,8 +52,12 @@ impl Follower {
         self.add_placed(scan, &pose)
     }
 
-    /// Takes the next scan, of which the pose is known.
+    /// Takes the next scan, of which the pose is known; a pose that is not finite says that the robot is where it was.
     pub(super) fn add_placed(&mut self, scan: &LaserScan, pose: &LocalPose) -> Moment {
+        if !pose.local_from_robot.is_finite() {
+            let was = self.moments.last().map_or(Pose::IDENTITY, |last| last.local_from_robot);
+            return self.push(&LocalPose { local_from_robot: was, drift: Matrix3::zeros(), used: false });
+        }
         let moment = self.push(pose);
         if pose.used {
             let at = pose.local_from_robot.position();
@@ -123,7 +128,6 @@ impl Follower {
 mod tests {
     use super::*;
     use crate::sensor::log::LaserNumber;
-    use nalgebra::Matrix3;
 
     fn scan() -> LaserScan {
         LaserScan {
@@ -151,6 +155,16 @@ mod tests {
         follower.add_placed(&scan(), &at(0.1, true));
         let scans: Vec<usize> = follower.moments().iter().map(|moment| moment.scan).collect();
         assert_eq!(scans, [0, 1000, 1001]);
+    }
+
+    #[test]
+    fn a_robot_that_is_nowhere_is_where_it_was() {
+        let mut follower = Follower::new(&VisitParameters::default()).unwrap();
+        for x in [f64::NAN, 1.0, f64::INFINITY, 2.0] {
+            follower.add_placed(&scan(), &at(x, true));
+        }
+        let driven: Vec<f64> = follower.moments().iter().map(|moment| moment.driven).collect();
+        assert_eq!(driven, [0.0, 1.0, 1.0, 2.0]);
     }
 
     /// To and fro through a door, visit after visit: what was driven before the last one is still a way, for a while.
