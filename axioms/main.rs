@@ -16,6 +16,7 @@ mod clingo;
 mod clingo_measured;
 mod clingo_views;
 mod coverage;
+mod dense;
 mod golden;
 mod judge;
 mod floor_reference;

@@ -164,39 +164,39 @@ impl VisitDetector {
     fn close(&mut self, group: &Group) {
         let Some(found) = self.settle(group) else { return };
         let Some(last) = self.last.take() else { return self.last = Some(found) };
-        let [stay, before] = [&found, &last].map(|found| &found.stay);
-        let same = self.parameters.is_one_place(&stay.visit.center, &before.visit.center);
-        let apart = stay.inside[0].driven - before.inside[1].driven;
-        let overlaps = stay.visit.arrival.driven < before.inside[1].driven
-            || stay.is_within(before)
-            || before.is_within(stay);
-        self.last = Some(if same && apart <= LOOKS_AROUND {
-            self.joined(&last, found)
-        } else if overlaps {
-            // Two middles of one place: the one that was seen more often stays.
-            if found.sightings > last.sightings && self.is_next(&found) { found } else { last }
-        } else {
+        self.last = Some(if self.goes_on(&last.stay, &found.stay) {
+            self.joined(last, found)
+        } else if last.stay.is_over_before(&found.stay) {
             self.recollection.add(last.stay, self.follower.moments());
             found
+        } else {
+            // Two middles of one place: the one that was seen more often stays.
+            let better = found.sightings > last.sightings && self.is_next(&found.stay);
+            if better { found } else { last }
         });
     }
 
-    /// Whether it may come after all before the last one: it does not overlap them, and is elsewhere.
-    fn is_next(&self, found: &Found) -> bool {
-        let elsewhere =
-            |one: &Stay| !self.parameters.is_one_place(&one.visit.center, &found.stay.visit.center);
-        let comes_after = |one: &Stay| one.is_over_before(&found.stay) && elsewhere(one);
-        self.recollection.before().is_none_or(comes_after)
+    /// Whether a stay is the one before, which goes on: the robot had only looked around.
+    fn goes_on(&self, before: &Stay, stay: &Stay) -> bool {
+        let apart = stay.inside[0].driven - before.inside[1].driven;
+        self.parameters.is_one_place(&stay.visit.center, &before.visit.center) && apart <= LOOKS_AROUND
     }
 
-    /// One stay of two at the same place: as seen last, or else as seen first, whichever the robot passed through.
-    fn joined(&self, last: &Found, found: Found) -> Found {
+    /// Whether a stay may come after all before the last one: they are over before it, and it is not the last of them.
+    fn is_next(&self, stay: &Stay) -> bool {
+        let may_follow = |before: &Stay| before.is_over_before(stay) && !self.goes_on(before, stay);
+        self.recollection.before().is_none_or(may_follow)
+    }
+
+    /// One stay of two at the same place: as seen last, or else as seen first, whichever the robot passed through; or
+    /// else one of the two alone. None if it may not come next.
+    fn joined(&self, last: Found, found: Found) -> Found {
         let first = self.recollection.before().is_none();
         let sightings = last.sightings + found.sightings;
-        let [latest, earliest] = [&found, last].map(|seen| last.stay.prolonged(&found.stay, &seen.stay));
-        let understood = |stay: &Stay| self.is_passed_through(stay, first);
-        let joined = [latest, earliest].into_iter().find(understood);
-        joined.map(|stay| Found { stay, sightings }).unwrap_or(found)
+        let whole = [&found, &last].map(|seen| last.stay.prolonged(&found.stay, &seen.stay));
+        let understood = |stay: &Stay| self.is_passed_through(stay, first) && self.is_next(stay);
+        let joined = whole.into_iter().find(understood).map(|stay| Found { stay, sightings });
+        joined.unwrap_or_else(|| if self.is_next(&found.stay) { found } else { last })
     }
 
     /// The visit that a group of sightings shows, if it is one: the robot was near, most of what it saw there agrees,

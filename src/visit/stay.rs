@@ -106,15 +106,6 @@ impl Stay {
             && stay.departure.scan < then.departure.scan
     }
 
-    /// Whether the robot came to this place and left it without having left another that it was at.
-    pub(super) fn is_within(&self, other: &Stay) -> bool {
-        let [stay, around] = [self, other].map(|found| {
-            let Visit { arrival, departure, .. } = &found.visit;
-            arrival.driven..=departure.driven
-        });
-        around.contains(stay.start()) && around.contains(stay.end())
-    }
-
     /// A stay that goes on until the end of the next, at the place as it is in one of them.
     pub(super) fn prolonged(&self, next: &Stay, seen: &Stay) -> Stay {
         let arrival = self.visit.arrival;
