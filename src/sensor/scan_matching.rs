@@ -398,7 +398,7 @@ mod tests {
     #[test]
     fn a_scan_without_odometry_is_passed_over() {
         let nowhere = Pose { x: f64::NAN, y: 0.0, theta: f64::INFINITY };
-        let lost = |k: usize| k % 7 == 0;
+        let lost = |k: usize| k.is_multiple_of(7);
         let placed = matched(|k| if lost(k) { nowhere } else { Pose::IDENTITY });
         let (without, with): (Vec<_>, Vec<_>) = placed.iter().enumerate().partition(|(k, _)| lost(*k));
         assert!(without.iter().all(|(_, (_, found))| !found.used && found.local_from_robot.is_finite()));
