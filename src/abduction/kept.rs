@@ -103,8 +103,18 @@ pub(super) fn retain<T>(all: &mut Vec<T>, keep: &[bool]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::abduction::Assignment;
+    use crate::abduction::{Assignment, Lore};
     use crate::map::PlaceId;
+    use std::collections::HashSet;
+
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    struct Number(u32);
+
+    impl Lore for Number {
+        fn bytes(&self, _: &mut HashSet<usize>) -> usize {
+            4
+        }
+    }
 
     fn child(parent: u32) -> Node {
         Node { parent, assignment: Assignment { place: PlaceId::FIRST, rotation: 0 } }
@@ -124,15 +134,16 @@ mod tests {
             expected.sort_unstable();
             let mut kept = Kept::new(Some(limit), true);
             for k in all.clone() {
-                kept.push(child(k), true, || simplicity(k), || Learned::of(k));
+                kept.push(child(k), true, || simplicity(k), || Learned::of(Number(k)));
                 assert!(kept.nodes.len() <= 2 * limit.max(SLACK));
             }
             assert_eq!(kept.made, 20_000);
             let (nodes, learned, cut) = kept.finish();
             assert!(cut);
             assert_eq!(nodes.iter().map(|node| node.parent).collect::<Vec<u32>>(), expected);
-            let learned: Option<Vec<u32>> = learned.iter().map(|learned| learned.get().copied()).collect();
-            assert_eq!(learned, Some(expected));
+            assert_eq!(Learned::bytes(&[learned.as_slice(), &learned].concat()), 4 * limit, "each once");
+            let number = |learned: &Learned| learned.get().map(|&Number(number)| number);
+            assert_eq!(learned.iter().map(number).collect::<Option<Vec<u32>>>(), Some(expected));
         }
     }
 }

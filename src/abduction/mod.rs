@@ -37,7 +37,7 @@ pub use axioms::REGISTRY;
 pub use branch::{Branch, Lineage, Outcome, Proposal};
 pub use candidate::{Assignment, Candidate};
 pub use clash::Clash;
-pub use evidence::{Evidence, Learned};
+pub use evidence::{Evidence, Learned, Lore};
 pub use judge::{Proposed, Refutation, judge, proposed};
 pub use preference::Simplicity;
 pub use refutation::Refutations;

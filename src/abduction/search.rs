@@ -44,6 +44,8 @@ pub struct Abduction {
     first_cut: Option<StopReason>,
     /// The most places of a candidate; zero unless the number of candidates is limited.
     most_places: usize,
+    /// The bytes that what evidence learned takes of each candidate, on the mean; zero unless memory is limited.
+    bytes_learned: usize,
 }
 
 /// Batches whose children are in memory before they come together and are cut to the limit.
@@ -61,8 +63,8 @@ pub struct Limits {
     pub max_candidates: Option<usize>,
     /// The most partial explanations that a search for the simplest candidates looks at.
     pub max_steps: Option<u64>,
-    /// The most bytes that the search may hold, beside the observations and what evidence has learned of candidates
-    /// ([`Learned`]); counted as if candidates shared no memory.
+    /// The most bytes that the search may hold, beside the observations; counted as if candidates shared no memory but
+    /// what evidence has learned of them ([`Learned`]), which is that of the observation before.
     /// Breadth-first it keeps the simplest candidates that fit, the next ones beside them; best-first it stops.
     pub max_memory: Option<usize>,
 }
@@ -87,6 +89,7 @@ impl Abduction {
             settlement: None,
             first_cut: None,
             most_places: 0,
+            bytes_learned: 0,
         }
     }
 
@@ -287,6 +290,9 @@ impl Abduction {
         }
         self.tree.push(nodes);
         self.maps = maps;
+        let limited = self.limits.max_memory.is_some();
+        self.bytes_learned =
+            if limited { Learned::bytes(&learned).div_ceil(learned.len().max(1)) } else { 0 };
         self.learned = Arc::new(learned);
         self.refuted.push(refuted);
     }
@@ -335,11 +341,12 @@ impl Abduction {
         self.limits.max_candidates.into_iter().chain(fitting).min()
     }
 
-    /// The most bytes of a candidate that shares nothing, after one observation more.
+    /// The most bytes of a candidate that shares nothing but what was learned of it, after one observation more.
     fn bytes_of_candidate(&self) -> usize {
         let star = self.stars.stars().map(|star| star.size()).max().unwrap_or(0);
         let dstates = (self.most_places + 1) * star;
-        size_of::<Node>() + size_of::<Simplicity>() + size_of::<TopologicalMap>() + dstates * BYTES_OF_DSTATE
+        let map = size_of::<TopologicalMap>() + dstates * BYTES_OF_DSTATE;
+        size_of::<Node>() + size_of::<Simplicity>() + size_of::<Learned>() + map + self.bytes_learned
     }
 
     fn stop_reason(&self) -> StopReason {

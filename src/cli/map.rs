@@ -66,7 +66,7 @@ pub(super) struct Map {
     #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
     pub(super) max_candidates: u64,
     /// The most bytes that the search may hold, or KiB, MiB, GiB with a K, M or G behind the number: candidates, counted
-    /// as if they shared no memory, and what a search for the simplest ones remembers.
+    /// as if their maps shared no memory, and what searches for room and for the simplest ones remember.
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     max_memory: Option<usize>,
     /// With --strategy best-first: the most partial explanations looked at.

@@ -18,10 +18,14 @@ use std::sync::Arc;
 pub(super) struct Conflict<W, R> {
     /// Ascending.
     pub(super) ways: Box<[W]>,
-    /// How far it holds, and what says so: of all that it follows from, that which holds least far.
+    /// How far it holds: as far as all do that it follows from.
     pub(super) holds: f64,
+    /// The least of the reasons of these.
     pub(super) reason: R,
 }
+
+/// Conflicts that are known.
+pub(super) type Known<W, R> = Vec<Arc<Conflict<W, R>>>;
 
 /// What there is beyond ways taken.
 pub(super) enum Look<W, R> {
@@ -44,12 +48,12 @@ pub(super) struct Ways<W> {
 }
 
 /// Whether there are ways that can all be taken together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Choice<R> {
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Choice<W, R> {
     /// There are.
     Found,
-    /// There are none, for this reason and others.
-    Lacking(R),
+    /// There are none: a conflict of no ways.
+    Lacking(Arc<Conflict<W, R>>),
     /// It is not found out.
     Unknown,
 }
@@ -59,13 +63,13 @@ pub(super) enum Choice<R> {
 ///
 /// Law: they are lacking exactly if every choice contains a conflict, where `look` is never open but of a choice of all, and
 /// never unknown; whichever of its conflicts, or what follows from them, were known before.
-pub(super) fn choice<W: Copy + Ord + Hash, R: Clone>(
-    known: Vec<Arc<Conflict<W, R>>>,
+pub(super) fn choice<W: Copy + Ord + Hash, R: Clone + PartialOrd>(
+    known: Known<W, R>,
     look: impl FnMut(&[W]) -> Look<W, R>,
-) -> (Choice<R>, Vec<Arc<Conflict<W, R>>>) {
+) -> (Choice<W, R>, Known<W, R>) {
     let mut search = Search { look, conflicts: known };
     let choice = match search.branch(&mut Vec::new()) {
-        Ok(conflict) => Choice::Lacking(conflict.reason.clone()),
+        Ok(conflict) => Choice::Lacking(conflict),
         Err(Ended::Open) => Choice::Found,
         Err(Ended::Unknown) => Choice::Unknown,
     };
@@ -80,10 +84,10 @@ enum Ended {
 
 struct Search<W, R, L> {
     look: L,
-    conflicts: Vec<Arc<Conflict<W, R>>>,
+    conflicts: Known<W, R>,
 }
 
-impl<W: Copy + Ord + Hash, R: Clone, L: FnMut(&[W]) -> Look<W, R>> Search<W, R, L> {
+impl<W: Copy + Ord + Hash, R: Clone + PartialOrd, L: FnMut(&[W]) -> Look<W, R>> Search<W, R, L> {
     /// Ends all branches beyond ways taken; those of them that are in conflict, if every branch ends. As deep as ways can be
     /// taken.
     fn branch(&mut self, taken: &mut Vec<W>) -> Result<Arc<Conflict<W, R>>, Ended> {
@@ -112,7 +116,7 @@ impl<W: Copy + Ord + Hash, R: Clone, L: FnMut(&[W]) -> Look<W, R>> Search<W, R, 
     /// Ends all branches by each of some ways.
     fn beyond(&mut self, taken: &mut Vec<W>, ways: Ways<W>) -> Result<Beyond<W, R>, Ended> {
         let mut all: BTreeSet<W> = ways.whole.into_iter().collect();
-        let mut weakest: Option<Arc<Conflict<W, R>>> = None;
+        let mut ended: Known<W, R> = Vec::new();
         for way in ways.parts {
             taken.push(way);
             let conflict = self.branch(taken)?;
@@ -121,12 +125,12 @@ impl<W: Copy + Ord + Hash, R: Clone, L: FnMut(&[W]) -> Look<W, R>> Search<W, R, 
                 return Ok(Beyond::Before(conflict));
             }
             all.extend(conflict.ways.iter().filter(|&&other| other != way));
-            weakest = Some(weakest.map_or(Arc::clone(&conflict), |weakest| {
-                if conflict.holds < weakest.holds { Arc::clone(&conflict) } else { weakest }
-            }));
+            ended.push(conflict);
         }
-        let weakest = weakest.ok_or(Ended::Unknown)?;
-        let (holds, reason) = (weakest.holds, weakest.reason.clone());
+        let holds = ended.iter().map(|conflict| conflict.holds).fold(f64::INFINITY, f64::min);
+        let reasons = ended.iter().map(|conflict| &conflict.reason);
+        let least = reasons.reduce(|least, reason| if reason < least { reason } else { least });
+        let reason = least.ok_or(Ended::Unknown)?.clone();
         Ok(Beyond::All(Conflict { ways: all.into_iter().collect(), holds, reason }))
     }
 
@@ -256,8 +260,11 @@ mod tests {
             });
             asked.0
         };
-        assert_eq!([0, 1, 2].map(asked), [Choice::Unknown; 3]);
-        assert_eq!(asked(3), Choice::Lacking(0));
+        for most in 0..3 {
+            assert_eq!(asked(most), Choice::Unknown);
+        }
+        let lacking = Conflict { ways: Box::default(), holds: 0.0, reason: 0 };
+        assert_eq!(asked(3), Choice::Lacking(Arc::new(lacking)));
     }
 
     #[test]

@@ -22,7 +22,7 @@
 use crate::metric::conflicts::{Choice, Look, choice};
 use crate::metric::floor::{Apart, Floor, Solved};
 use crate::metric::layout::{Layout, Span};
-use crate::metric::lessons::{Lesson, Lessons, Scope};
+use crate::metric::lessons::{Lesson, Lessons, Reason, Scope};
 use crate::metric::profile::{NEARER, Reached};
 use crate::metric::segments::Segments;
 use crate::metric::uncertainty::quantile;
@@ -68,9 +68,11 @@ pub enum Room {
 /// What it takes at least for all to have room.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Crowd {
-    /// Chi-square beyond that of the loops alone.
+    /// Chi-square beyond that of the loops alone. Where that was learned on an earlier observation, less what the loops
+    /// have taken since.
     pub chi_square: f64,
-    /// The gate that it exceeds.
+    /// The gate that it exceeds; where it was learned on an earlier observation, the gate of then, which it exceeds by more
+    /// than that has grown since.
     pub gate: f64,
     /// What is in each other's way, each pair once.
     pub(super) clashing: Vec<InTheWay>,
@@ -117,11 +119,7 @@ impl Layout {
         let room = match choice {
             Choice::Found => search.witness.map_or(Room::Unknown, Room::Found),
             Choice::Unknown => Room::Unknown,
-            Choice::Lacking(reason) => {
-                let ended = search.ended.into_values().flatten().chain([reason]);
-                let least = ended.min_by(|a, b| a.chi_square.total_cmp(&b.chi_square));
-                least.map_or(Room::Unknown, |least| Room::Lacking(Crowd::clone(&least)))
-            }
+            Choice::Lacking(conflict) => Room::Lacking(search.lessons.crowd(&conflict)),
         };
         (room, Some(search.lessons.with(known)))
     }
@@ -143,14 +141,14 @@ struct Search<'a> {
     /// How many problems may be solved yet.
     budget: usize,
     /// What it takes to have things apart in some ways, if that is too much.
-    ended: BTreeMap<Vec<Apart>, Option<Arc<Crowd>>>,
+    ended: BTreeMap<Vec<Apart>, Option<Crowd>>,
     /// What was found.
     witness: Option<Witness>,
 }
 
 impl Search<'_> {
     /// What there is beyond some choices. Where first order finds too much, or room for all, it is asked whether that is so.
-    fn look(&mut self, chosen: &[Apart]) -> Look<Apart, Arc<Crowd>> {
+    fn look(&mut self, chosen: &[Apart]) -> Look<Apart, Arc<Reason>> {
         if self.budget == 0 || chosen.len() > DEEPEST {
             return Look::Unknown;
         }
@@ -185,7 +183,7 @@ impl Search<'_> {
     }
 
     /// That nothing is left to choose beyond so many bounds that bear, if that holds of the errors found as they are.
-    fn open(&mut self, found: &Layout, bearing: usize) -> Look<Apart, Arc<Crowd>> {
+    fn open(&mut self, found: &Layout, bearing: usize) -> Look<Apart, Arc<Reason>> {
         let (least, _) = self.layout.chi_square();
         self.witness = self.floor.witness(found, least, self.layout.gate(bearing));
         if self.witness.is_some() { Look::Open } else { Look::Unknown }
@@ -195,10 +193,8 @@ impl Search<'_> {
     fn conflict(&mut self, bearing: &[Apart]) -> Option<Lesson> {
         let few = self.fewer(bearing);
         [few.as_slice(), bearing].into_iter().find_map(|chosen| {
-            let reason = self.ends(chosen)?;
-            // A way is two bounds at most.
-            let holds = self.lessons.hold(2 * chosen.len(), &reason);
-            Some(Lesson { ways: chosen.into(), holds, reason })
+            let crowd = self.ends(chosen)?;
+            Some(self.lessons.lesson(chosen, &crowd))
         })
     }
 
@@ -216,9 +212,9 @@ impl Search<'_> {
     }
 
     /// What some take, if that is more than their gate.
-    fn ends(&mut self, chosen: &[Apart]) -> Option<Arc<Crowd>> {
+    fn ends(&mut self, chosen: &[Apart]) -> Option<Crowd> {
         if !self.ended.contains_key(chosen) {
-            let beyond = self.beyond(chosen).map(Arc::new);
+            let beyond = self.beyond(chosen);
             self.ended.insert(chosen.to_vec(), beyond);
         }
         self.ended[chosen].clone()

@@ -5,7 +5,7 @@ use crate::geometry::wrap_angle;
 use crate::map::DstateId;
 use crate::metric::MetricParameters;
 use crate::metric::layout::Layout;
-use crate::metric::lessons::Lessons;
+use crate::metric::lessons::{Lessons, Taught};
 use crate::metric::measurements::Stay;
 use crate::metric::share::SHARES;
 use crate::star::SlotIndex;
@@ -33,8 +33,9 @@ pub(super) struct Story<'a> {
 pub(super) fn learned(proposal: &Proposal<'_>) -> Learned {
     let taught = || {
         let layouts: &Layouts = proposal.branch.measured(Default::default)?;
-        let learned = layouts.learned.take().filter(|(last, _)| *last == proposal.assignment);
-        learned.map(|(_, taught)| Learned::of(taught))
+        let learned = layouts.learned.borrow();
+        let (last, taught) = learned.as_ref()?;
+        (*last == proposal.assignment).then(|| Learned::of(taught.clone()))
     };
     taught().unwrap_or_else(|| proposal.branch.learned().clone())
 }
@@ -48,9 +49,6 @@ struct Layouts {
     /// What was learned of the child asked about last.
     learned: RefCell<Option<(Assignment, Taught)>>,
 }
-
-/// Lessons by [`SHARES`].
-type Taught = [Option<Arc<Lessons>>; SHARES.len()];
 
 type After = [OnceCell<Option<Rc<Layout>>>; SHARES.len()];
 

@@ -9,24 +9,33 @@ pub(super) struct Loops {
     pub(super) degrees: usize,
 }
 
+/// How much may be lost of what takes more than its gate.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Lost {
+    /// Of the chi-square that it takes.
+    pub(super) takes: f64,
+    /// Of how far that is beyond the gate.
+    pub(super) beyond: f64,
+}
+
 impl Loops {
     /// What the gate of all together leaves for a test of so many degrees of freedom, at most its own gate.
     pub(super) fn left(&self, degrees: usize, gate: f64) -> f64 {
         (quantile(self.degrees + degrees) - self.chi_square).clamp(0.0, gate)
     }
 
-    /// By how much less, with these loops and more, what is beyond a gate of at most so many degrees of freedom may be beyond it: by what
-    /// the loops take more, and by what their gate leaves more.
-    pub(super) fn lost_to(&self, more: &Loops, degrees: usize) -> f64 {
+    /// By how much less, with these loops and more, what is beyond a gate of at most so many degrees of freedom may take,
+    /// and be beyond it: what the loops take more, and what their gate leaves more.
+    pub(super) fn lost_to(&self, more: &Loops, degrees: usize) -> Lost {
         if more == self {
-            return 0.0;
+            return Lost::default();
         }
         let grown = |degrees: usize| {
             let gate = quantile(degrees);
             more.left(degrees, gate) - self.left(degrees, gate)
         };
         let takes = (more.chi_square - self.chi_square).max(0.0);
-        takes + (1..=degrees).map(grown).fold(0.0, f64::max)
+        Lost { takes, beyond: takes + (1..=degrees).map(grown).fold(0.0, f64::max) }
     }
 }
 
@@ -47,8 +56,10 @@ mod tests {
             let lost = before.lost_to(&now, degrees + most);
             let all_takes = chi_square + before.left(degrees, quantile(degrees)) + beyond;
             let takes = all_takes.max(now.chi_square) - now.chi_square;
-            prop_assert!(beyond <= lost + 1e-9 || takes > now.left(degrees, quantile(degrees)) - 1e-9);
-            prop_assert_eq!(before.lost_to(&before, degrees), 0.0);
+            prop_assert!(takes > all_takes - chi_square - lost.takes - 1e-9);
+            let excess = takes - now.left(degrees, quantile(degrees));
+            prop_assert!(excess > beyond - lost.beyond - 1e-9);
+            prop_assert_eq!(before.lost_to(&before, degrees), Lost::default());
         }
     }
 }

@@ -38,8 +38,8 @@ pub struct WireMapConfig {
     /// The most candidates kept after an observation, the simplest ones.
     #[schema(minimum = 1)]
     pub max_candidates: Option<u64>,
-    /// The most bytes that the search may hold: candidates, counted as if they shared no memory, and what a search
-    /// for the simplest ones remembers. What does not fit cuts the search as the limit on candidates does.
+    /// The most bytes that the search may hold: candidates, counted as if their maps shared no memory, and what searches
+    /// for room and for the simplest ones remember. What does not fit cuts the search as the limit on candidates does.
     #[schema(minimum = 1)]
     pub max_memory: Option<u64>,
 }
